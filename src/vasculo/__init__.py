@@ -1,0 +1,93 @@
+"""vasculo: how small blood vessels form, mechanically (after Szczerba & Szekely 2005).
+
+Names are loaded on first use, so that the command line starts at once.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from vasculo import measure
+    from vasculo.errors import ComputationError, InputError
+    from vasculo.flow.boundary import Periodic, Pressure, Slip, Velocity, Wall
+    from vasculo.flow.stokes import Flow, solve_stokes
+    from vasculo.geometry.domain import Domain
+    from vasculo.mesh.generate import generate_mesh
+    from vasculo.mesh.triangulation import Triangulation
+    from vasculo.pillars.angiogenesis import Angiogenesis, remodel
+    from vasculo.plexus.extract import Extraction, extract_domain
+    from vasculo.springs.network import SpringNetwork
+    from vasculo.store.read import open_run
+    from vasculo.study.run import run
+    from vasculo.tissue.lattice import lattice
+    from vasculo.tissue.vasculogenesis import Vasculogenesis, grow_plexus
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Angiogenesis": "pillars.angiogenesis",
+    "ComputationError": "errors",
+    "Domain": "geometry.domain",
+    "Extraction": "plexus.extract",
+    "Flow": "flow.stokes",
+    "InputError": "errors",
+    "Periodic": "flow.boundary",
+    "Pressure": "flow.boundary",
+    "Slip": "flow.boundary",
+    "SpringNetwork": "springs.network",
+    "Triangulation": "mesh.triangulation",
+    "Vasculogenesis": "tissue.vasculogenesis",
+    "Velocity": "flow.boundary",
+    "Wall": "flow.boundary",
+    "extract_domain": "plexus.extract",
+    "generate_mesh": "mesh.generate",
+    "grow_plexus": "tissue.vasculogenesis",
+    "lattice": "tissue.lattice",
+    "open_run": "store.read",
+    "remodel": "pillars.angiogenesis",
+    "run": "study.run",
+    "solve_stokes": "flow.stokes",
+}
+
+__all__ = [
+    "Angiogenesis",
+    "ComputationError",
+    "Domain",
+    "Extraction",
+    "Flow",
+    "InputError",
+    "Periodic",
+    "Pressure",
+    "Slip",
+    "SpringNetwork",
+    "Triangulation",
+    "Vasculogenesis",
+    "Velocity",
+    "Wall",
+    "extract_domain",
+    "generate_mesh",
+    "grow_plexus",
+    "lattice",
+    "measure",
+    "open_run",
+    "remodel",
+    "run",
+    "solve_stokes",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name == "measure":
+        return import_module("vasculo.measure")
+    if name in _HOMES:
+        value = getattr(import_module(f"vasculo.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    message = f"module 'vasculo' has no attribute '{name}'"
+    raise AttributeError(message)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])
