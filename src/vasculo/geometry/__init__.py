@@ -1,0 +1,1 @@
+"""Outlines, domains and distances between outlines."""

@@ -1,0 +1,150 @@
+"""A tree of bounding boxes over segments: nearest wall, narrowest passage, smallest graded size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numba import njit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+LEAF = 4
+"""Segments in one leaf."""
+
+
+@dataclass(frozen=True, eq=False)
+class BoxTree:
+    """Segments in the order of a space-filling curve, with a complete binary tree of boxes above them.
+
+    Parameters
+    ----------
+    segments : (m, 4) float64, model length
+        x and y of the start, x and y of the end; a point is a segment of no length.
+    weights : (m,) float64, model length
+        A number a segment; a search may minimise weight + slope * distance.
+    order : (m,) int64
+        Number of each segment as it was given.
+    boxes : (2 L, 4) float64
+        Smallest x, y, largest x, y of the segments below; box 1 is the root, boxes 2 i and 2 i + 1 lie below box i.
+    lowest : (2 L,) float64
+        Smallest weight below each box.
+    """
+
+    segments: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    order: NDArray[np.int64]
+    boxes: NDArray[np.float64]
+    lowest: NDArray[np.float64]
+
+
+def box_tree(segments: NDArray[np.float64], weights: NDArray[np.float64] | None = None) -> BoxTree:
+    """Build the tree.
+
+    Parameters
+    ----------
+    segments : (m, 4) float64, model length
+        At least one.
+    weights : (m,) float64, model length, optional
+        Zero if left out.
+
+    Returns
+    -------
+    BoxTree
+    """
+    if weights is None:
+        weights = np.zeros(len(segments))
+    order = np.argsort(_curve(0.5 * (segments[:, :2] + segments[:, 2:])), kind="stable")
+    segments, weights = np.ascontiguousarray(segments[order]), np.ascontiguousarray(weights[order])
+    leaves = 1
+    while leaves * LEAF < len(segments):
+        leaves *= 2
+    low = np.full((leaves * LEAF, 2), np.inf)
+    high = np.full((leaves * LEAF, 2), -np.inf)
+    least = np.full(leaves * LEAF, np.inf)
+    low[: len(segments)] = np.minimum(segments[:, :2], segments[:, 2:])
+    high[: len(segments)] = np.maximum(segments[:, :2], segments[:, 2:])
+    least[: len(segments)] = weights
+    boxes = np.empty((2 * leaves, 4))
+    lowest = np.empty(2 * leaves)
+    boxes[0], lowest[0] = 0.0, 0.0
+    low, high = low.reshape(-1, LEAF, 2).min(axis=1), high.reshape(-1, LEAF, 2).max(axis=1)
+    least = least.reshape(-1, LEAF).min(axis=1)
+    while leaves:
+        boxes[leaves : 2 * leaves, :2], boxes[leaves : 2 * leaves, 2:] = low, high
+        lowest[leaves : 2 * leaves] = least
+        leaves //= 2
+        if leaves:
+            low, high = low.reshape(-1, 2, 2).min(axis=1), high.reshape(-1, 2, 2).max(axis=1)
+            least = least.reshape(-1, 2).min(axis=1)
+    return BoxTree(segments, weights, order, boxes, lowest)
+
+
+def _curve(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Place of each point along the Z-shaped curve (bits of x and y interleaved)."""
+    low = points.min(axis=0)
+    extent = max(float(np.ptp(points, axis=0).max()), np.finfo(np.float64).tiny)
+    cell = np.minimum((points - low) / extent * 65536.0, 65535.0).astype(np.int64)
+    for shift, mask in ((8, 0x00FF00FF), (4, 0x0F0F0F0F), (2, 0x33333333), (1, 0x55555555)):
+        cell = (cell | (cell << shift)) & mask
+    return np.asarray(cell[:, 0] | (cell[:, 1] << 1))
+
+
+@njit(cache=True, error_model="numpy")
+def distance_to(segments, item, x, y):  # type: ignore[no-untyped-def]
+    """Distance from a point to one segment, and the place of the nearest point on it (0 start, 1 end)."""
+    dx = segments[item, 2] - segments[item, 0]
+    dy = segments[item, 3] - segments[item, 1]
+    px = x - segments[item, 0]
+    py = y - segments[item, 1]
+    square = dx * dx + dy * dy
+    along = 0.0
+    if square > 0.0:
+        along = min(1.0, max(0.0, (px * dx + py * dy) / square))
+    px -= along * dx
+    py -= along * dy
+    return np.sqrt(px * px + py * py), along
+
+
+@njit(cache=True, error_model="numpy")
+def reach(boxes, lowest, slope, box, x, y):  # type: ignore[no-untyped-def]
+    """Lower bound of weight + slope * distance over the segments below a box."""
+    dx = max(boxes[box, 0] - x, x - boxes[box, 2], 0.0)
+    dy = max(boxes[box, 1] - y, y - boxes[box, 3], 0.0)
+    return lowest[box] + slope * np.sqrt(dx * dx + dy * dy)
+
+
+@njit(cache=True, error_model="numpy")
+def least(segments, weights, boxes, lowest, slope, x, y, best, item):  # type: ignore[no-untyped-def]
+    """Smallest weight + slope * distance over all segments, if below `best`; returns it and its segment.
+
+    `best` and `item` are the value to beat and what is returned if nothing beats it (-1: nothing known).
+    """
+    # Strategy: depth first, the nearer child first; a box is skipped when even a segment at its rim with its
+    # smallest weight could not beat the best value so far.
+    stack = np.empty(64, dtype=np.int64)
+    leaves = len(lowest) // 2
+    stack[0] = 1
+    top = 1
+    while top > 0:
+        top -= 1
+        box = stack[top]
+        if reach(boxes, lowest, slope, box, x, y) >= best:
+            continue
+        if box >= leaves:
+            first = (box - leaves) * LEAF
+            for k in range(first, min(first + LEAF, len(weights))):
+                value = weights[k] + slope * distance_to(segments, k, x, y)[0]
+                if value < best:
+                    best = value
+                    item = k
+            continue
+        near = 2 * box
+        if reach(boxes, lowest, slope, near, x, y) > reach(boxes, lowest, slope, near + 1, x, y):
+            near += 1
+        stack[top] = near ^ 1
+        stack[top + 1] = near
+        top += 2
+    return best, item

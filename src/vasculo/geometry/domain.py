@@ -1,0 +1,204 @@
+"""Domain: an outer boundary with named sides and pillar outlines; what one stage hands to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from vasculo.errors import InputError
+from vasculo.geometry.neighbours import as_polygons
+from vasculo.geometry.outline import as_outline, signed_area
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import ArrayLike, NDArray
+
+RESERVED = "pillars"
+"""Not the name of a side: conditions use it for all pillars."""
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Domain:
+    """The fluid region: inside an outer outline, outside the pillars.
+
+    Parameters
+    ----------
+    outer : (k, 2) array of numbers, model length
+        Outer outline, simple, either way round.
+    pillars : iterable of (k_i, 2) arrays, model length
+        Pillar outlines: simple, disjoint, strictly inside the outer outline; either way round.
+    sides : sequence of k names, or mapping of name to segment index or indices
+        Segment i runs from outer node i to node i + 1 (the last one back to node 0), counted as given.
+
+    Attributes
+    ----------
+    outer : (k, 2) float64
+        Counter-clockwise.
+    pillars : tuple of (k_i, 2) float64
+        Counter-clockwise, node 0 of each as given.
+    sides : tuple of k str
+        One name a segment of `outer`.
+
+    Raises
+    ------
+    InputError
+        Outlines that are not finite, cross themselves or each other, touch, or leave the outer outline (with the pillar
+        numbers), and names that do not fit the segments.
+
+    Notes
+    -----
+    The arrays belong to the domain: make a new one (`with_pillars`) instead of writing into them.
+    """
+
+    outer: NDArray[np.float64]
+    pillars: tuple[NDArray[np.float64], ...]
+    sides: tuple[str, ...]
+
+    def __init__(
+        self,
+        outer: ArrayLike,
+        pillars: Iterable[ArrayLike] = (),
+        sides: Sequence[str] | Mapping[str, int | Sequence[int]] = (),
+    ) -> None:
+        outline, names = _outer(outer, sides)
+        object.__setattr__(self, "outer", outline)
+        object.__setattr__(self, "sides", names)
+        object.__setattr__(self, "pillars", _pillars(pillars, outline))
+
+    @classmethod
+    def rectangle(cls, width: float, height: float, pillars: Iterable[ArrayLike] = ()) -> Domain:
+        """Rectangle with a corner at the origin; sides bottom, right, top, left (lengths in model length)."""
+        if not (np.isfinite(width) and np.isfinite(height) and width > 0.0 and height > 0.0):
+            raise InputError(f"a rectangle needs a positive width and height, not {width} and {height}")
+        corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
+        return cls(corners, pillars, ("bottom", "right", "top", "left"))
+
+    def with_pillars(self, pillars: Iterable[ArrayLike]) -> Domain:
+        """Return the same outer boundary around other pillars."""
+        return Domain(self.outer, pillars, self.sides)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Smallest x, smallest y, largest x, largest y; model length."""
+        low, high = self.outer.min(axis=0), self.outer.max(axis=0)
+        return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+    @cached_property
+    def pillar_areas(self) -> NDArray[np.float64]:
+        """Area of each pillar; (p,) float64, model length squared."""
+        return np.array([signed_area(pillar) for pillar in self.pillars], dtype=np.float64)
+
+    @property
+    def area(self) -> float:
+        """Area of the fluid; model length squared."""
+        return signed_area(self.outer) - float(self.pillar_areas.sum())
+
+    @property
+    def side_names(self) -> tuple[str, ...]:
+        """Names of the sides, sorted, each once."""
+        return tuple(sorted(set(self.sides)))
+
+    @property
+    def mean_radius(self) -> float:
+        """R0 = sqrt(mean pillar area / pi), model length.
+
+        Raises
+        ------
+        InputError
+            The domain has no pillar.
+        """
+        if not self.pillars:
+            raise InputError("the mean radius needs at least one pillar; this domain has none")
+        return float(np.sqrt(self.pillar_areas.mean() / np.pi))
+
+
+def _outer(
+    outer: ArrayLike, sides: Sequence[str] | Mapping[str, int | Sequence[int]]
+) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Check the outer outline and give each of its segments a name."""
+    try:
+        outline = as_outline(outer)
+    except InputError as error:
+        raise InputError(f"outer outline: {error}") from None
+    given = np.asarray(outer, dtype=np.float64)
+    if len(given) > 1 and np.array_equal(given[0], given[-1]):
+        given = given[:-1]
+    k = len(outline)
+    if len(given) != k:
+        raise InputError(f"the outer outline has {len(given) - k} segment(s) of no length; drop the repeated nodes")
+    polygon = shapely.Polygon(outline)
+    if not polygon.is_valid:
+        raise InputError(f"the outer outline is not simple: {shapely.is_valid_reason(polygon)}")
+    names = _names(sides, k)
+    return outline, names if signed_area(given) > 0.0 else names[::-1]
+
+
+def _names(sides: Sequence[str] | Mapping[str, int | Sequence[int]], k: int) -> tuple[str, ...]:
+    """One name a segment, from a sequence or from a mapping of name to segment indices."""
+    if isinstance(sides, Mapping):
+        found: list[str | None] = [None] * k
+        for name, segments in sides.items():
+            for segment in [segments] if isinstance(segments, (int, np.integer)) else list(segments):
+                if not -k <= segment < k:
+                    raise InputError(
+                        f"side {name!r} names segment {segment}; the outer outline has segments 0 to {k - 1}"
+                    )
+                if found[segment] is not None:
+                    raise InputError(
+                        f"segment {segment} of the outer outline is named both {found[segment]!r} and {name!r}"
+                    )
+                found[segment] = name
+        names = tuple(name for name in found if name is not None)
+        if len(names) < k:
+            raise InputError(f"segment {found.index(None)} of the outer outline has no side name")
+    else:
+        names = tuple(sides)
+        if isinstance(sides, str) or len(names) != k:
+            raise InputError(
+                f"sides needs one name for each of the {k} segments of the outer outline, not {len(names)}"
+            )
+    for name in names:
+        if not isinstance(name, str) or not name or name == RESERVED:
+            raise InputError(f"a side needs a name other than {RESERVED!r}, not {name!r}")
+    return names
+
+
+def _pillars(pillars: Iterable[ArrayLike], outer: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Check the pillars: simple, strictly inside, disjoint."""
+    outlines = []
+    for number, pillar in enumerate(pillars):
+        try:
+            outlines.append(as_outline(pillar))
+        except InputError as error:
+            raise InputError(f"pillar {number}: {error}") from None
+    if not outlines:
+        return ()
+    polygons = as_polygons(outlines)
+    invalid = np.flatnonzero(~shapely.is_valid(polygons))
+    if invalid.size:
+        reason = shapely.is_valid_reason(polygons[invalid[0]])
+        raise InputError(f"pillar {invalid[0]} is not simple: {reason}")
+    box = shapely.Polygon(outer)
+    shapely.prepare(box)
+    outside = np.flatnonzero(~shapely.contains_properly(box, polygons))
+    if outside.size:
+        number = int(outside[0])
+        lost = shapely.difference(polygons[number], box).area
+        raise InputError(
+            f"pillar {number} is not strictly inside the outer outline: {lost:.3g} of its area "
+            f"{polygons[number].area:.3g} lies outside"
+        )
+    tree = shapely.STRtree(polygons)
+    first, second = tree.query(polygons, predicate="intersects")
+    clash = np.flatnonzero(first < second)
+    if clash.size:
+        i, j = min((int(first[c]), int(second[c])) for c in clash)
+        shared = shapely.intersection(polygons[i], polygons[j]).area
+        raise InputError(f"pillars {i} and {j} overlap or touch (shared area {shared:.3g}): separate or merge them")
+    return tuple(outlines)

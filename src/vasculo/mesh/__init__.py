@@ -1,0 +1,1 @@
+"""Triangulations of a domain: size, placement, Delaunay, truss relaxation."""

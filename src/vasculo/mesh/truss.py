@@ -1,0 +1,130 @@
+"""The truss: mesh edges as springs a little longer than wanted, which push each other to their places."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numba import njit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+PRESSURE = 1.2
+"""Rest lengths over wanted lengths: the 'internal pressure' (Persson & Strang 2004)."""
+
+TIME_STEP = 0.4
+"""Step of eqs. (2), (3) with stiffness and mass 1; the limit of a node with eight springs is 0.5."""
+
+DAMPING = 1.5
+"""D of eq. (2) with stiffness and mass 1: close to critical."""
+
+FOLD = 0.1
+"""A step may not leave a triangle with less than this share of the area that its size asks for."""
+
+
+def unique_edges(triangles: NDArray[np.int32], neighbours: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Each edge once; (e, 2) int32."""
+    rows, corner = np.nonzero((neighbours < 0) | (neighbours > np.arange(len(triangles))[:, None]))
+    return np.column_stack((triangles[rows, (corner + 1) % 3], triangles[rows, (corner + 2) % 3]))
+
+
+def relax_plain(
+    points: NDArray[np.float64],
+    velocities: NDArray[np.float64],
+    edges: NDArray[np.int32],
+    triangles: NDArray[np.int32],
+    sizes: NDArray[np.float64],
+    fixed: int,
+    steps: int,
+    pressure: float,
+    time_step: float,
+    damping: float,
+    fold: float,
+) -> None:
+    """Plain twin of `relax`."""
+    a, b = edges.T
+    wanted = 0.5 * (sizes[a] + sizes[b])
+    least = fold * np.sqrt(3.0) / 2.0 * np.sort(sizes[triangles], axis=1)[:, 0] ** 2
+    for _ in range(steps):
+        way = points[b] - points[a]
+        length = np.hypot(way[:, 0], way[:, 1])
+        rest = pressure * np.sqrt((length**2).sum() / (wanted**2).sum()) * wanted
+        push = (np.maximum(rest - length, 0.0) / length)[:, None] * way
+        force = np.zeros_like(points)
+        np.add.at(force, a, -push)
+        np.add.at(force, b, push)
+        velocities[:] = (velocities + time_step * force) / (1.0 + damping * time_step)
+        velocities[:fixed] = 0.0
+        old = points.copy()
+        points += time_step * velocities
+        while True:
+            p, q, r = (points[triangles[:, i]] for i in range(3))
+            twice = (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
+            bad = triangles[twice < least].ravel()
+            moved = bad[(points[bad] != old[bad]).any(axis=1)]
+            if not len(moved):
+                break
+            points[bad] = old[bad]
+            velocities[bad] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def relax(points, velocities, edges, triangles, sizes, fixed, steps, pressure, time_step, damping, fold):  # type: ignore[no-untyped-def]
+    """Move the nodes `steps` steps by eqs. (2), (3) under springs that only push; overwrites points and velocities.
+
+    The first `fixed` nodes stay. `sizes` are the wanted lengths at the nodes; rest lengths are scaled so that the springs
+    push as if the nodes filled the domain `pressure` times too densely. A node whose step would flatten a triangle stays.
+    """
+    count = len(edges)
+    force = np.empty_like(points)
+    old = np.empty_like(points)
+    least = np.empty(len(triangles))
+    for t in range(len(triangles)):
+        h = min(sizes[triangles[t, 0]], sizes[triangles[t, 1]], sizes[triangles[t, 2]])
+        least[t] = fold * 0.8660254037844386 * h * h
+    for _ in range(steps):
+        squares = 0.0
+        wishes = 0.0
+        for e in range(count):
+            a = edges[e, 0]
+            b = edges[e, 1]
+            squares += (points[b, 0] - points[a, 0]) ** 2 + (points[b, 1] - points[a, 1]) ** 2
+            wishes += (0.5 * (sizes[a] + sizes[b])) ** 2
+        scale = pressure * np.sqrt(squares / wishes)
+        force[:] = 0.0
+        for e in range(count):
+            a = edges[e, 0]
+            b = edges[e, 1]
+            dx = points[b, 0] - points[a, 0]
+            dy = points[b, 1] - points[a, 1]
+            length = np.sqrt(dx * dx + dy * dy)
+            push = max(scale * 0.5 * (sizes[a] + sizes[b]) - length, 0.0) / length
+            force[a, 0] -= push * dx
+            force[a, 1] -= push * dy
+            force[b, 0] += push * dx
+            force[b, 1] += push * dy
+        for i in range(len(points)):
+            for k in range(2):
+                old[i, k] = points[i, k]
+                if i >= fixed:
+                    velocities[i, k] = (velocities[i, k] + time_step * force[i, k]) / (1.0 + damping * time_step)
+                    points[i, k] += time_step * velocities[i, k]
+        held = True
+        while held:
+            held = False
+            for t in range(len(triangles)):
+                p = triangles[t, 0]
+                q = triangles[t, 1]
+                r = triangles[t, 2]
+                twice = (points[q, 0] - points[p, 0]) * (points[r, 1] - points[p, 1]) - (
+                    points[q, 1] - points[p, 1]
+                ) * (points[r, 0] - points[p, 0])
+                if twice < least[t]:
+                    for c in range(3):
+                        i = triangles[t, c]
+                        for k in range(2):
+                            if points[i, k] != old[i, k]:
+                                points[i, k] = old[i, k]
+                                held = True
+                            velocities[i, k] = 0.0
