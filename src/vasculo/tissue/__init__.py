@@ -1,0 +1,1 @@
+"""Vasculogenesis: the initial tissue, its growth and rupture, and the plexus they leave."""

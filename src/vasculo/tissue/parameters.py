@@ -1,0 +1,152 @@
+"""Parameters of vasculogenesis, and the presets that were found to work."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vasculo.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
+    # name: lowest, highest, is the lowest value itself allowed
+    {
+        "growth_rate": (0.0, np.inf, False),
+        "damping": (0.0, np.inf, True),
+        "threshold": (0.0, np.inf, False),
+        "threshold_spread": (0.0, 1.0, True),
+        "tether": (0.0, np.inf, True),
+        "stop_void_fraction": (0.0, 1.0, False),
+        "growth_limit": (0.0, 1.0, False),
+        "quiet_time": (0.0, np.inf, False),
+        "hold": (0.0, np.inf, False),
+        "final_rest_factor": (0.0, 1.0, True),
+        "tightening_damping": (0.0, np.inf, True),
+        "tightening_time": (0.0, np.inf, False),
+        "settling_time": (0.0, np.inf, True),
+        "time_step": (0.0, np.inf, False),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Vasculogenesis:
+    """How a tissue grows, breaks and tightens into a plexus.
+
+    Lengths are in units of each spring's initial length, stiffness in k, mass in m, time in sqrt(m / k), the means over
+    the tissue; so the numbers hold for a tissue of any size and number of nodes. The equations are those of
+    Szczerba & Szekely 2005, section 2; they print no values. The defaults (the preset "medium") are ours.
+
+    Parameters
+    ----------
+    growth_rate : float
+        Rate rho at which the rest-length factor s falls from 1 (1 / time), > 0. Larger: more and smaller voids.
+    damping : float
+        Friction D on each node while springs may break (sqrt(k m)), >= 0. Only D rho counts once D is above 1.
+    threshold : float
+        Mean strain theta above which a spring breaks, > 0.
+    threshold_spread : float
+        Standard deviation of the thresholds over their mean, 0 to 1.
+    tether : float
+        Stiffness of the tether of each node to its first position (k), >= 0; 0 is the paper's own model.
+    stop_void_fraction : float
+        Share of the area in voids at which rupture ends, in (0, 1]. 1: rupture has to end by itself (self-stopping).
+    growth_limit : float
+        Rest-length factor at which growth ends, in (0, 1]. In the window regime the void fraction must be reached
+        before; in the self-stopping regime growth is held here.
+    quiet_time : float
+        Self-stopping: time without a break after which rupture counts as over, > 0.
+    hold : float
+        Self-stopping: longest time at the growth limit, > 0.
+    final_rest_factor : float
+        Rest-length factor after tightening, 0 to growth_limit. Smaller: thinner, straighter cords.
+    tightening_damping : float
+        Friction on each node while tightening (sqrt(k m)), >= 0.
+    tightening_time, settling_time : float
+        Time over which the rest lengths fall to the final factor, > 0, and the time after it, >= 0.
+    time_step : float
+        Time step dt, > 0.
+
+    Raises
+    ------
+    InputError
+        When a value is outside its range.
+    """
+
+    growth_rate: float = 0.0009
+    damping: float = 5.0
+    threshold: float = 0.5
+    threshold_spread: float = 0.2
+    tether: float = 0.01
+    stop_void_fraction: float = 0.40
+    growth_limit: float = 0.4
+    quiet_time: float = 100.0
+    hold: float = 900.0
+    final_rest_factor: float = 0.2
+    tightening_damping: float = 0.3
+    tightening_time: float = 100.0
+    settling_time: float = 150.0
+    time_step: float = 0.2
+
+    def __post_init__(self) -> None:
+        for name, (low, high, closed) in _RANGES.items():
+            value = getattr(self, name)
+            number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+            if not number or not np.isfinite(value) or not low <= value <= high or (value == low and not closed):
+                bounds = f"{'[' if closed else '('}{low:g}, {high:g}{']' if np.isfinite(high) else ')'}"
+                raise InputError(f"{name} is {value!r}, expected a number in {bounds}")
+        if self.final_rest_factor > self.growth_limit:
+            raise InputError(
+                f"final_rest_factor {self.final_rest_factor:g} is above growth_limit {self.growth_limit:g}: "
+                "tightening can only shorten the springs further"
+            )
+
+    @property
+    def self_stopping(self) -> bool:
+        """Whether rupture has to end by itself at the growth limit, instead of being closed at a void fraction."""
+        return self.stop_void_fraction == 1.0
+
+    @classmethod
+    def preset(cls, name: str) -> Vasculogenesis:
+        """One of the named sets: fine, medium, coarse, paper, uniform, selfstop, selfstop_fine.
+
+        Raises
+        ------
+        InputError
+            For a name that is none of these.
+        """
+        if name not in PRESETS:
+            near = get_close_matches(str(name), PRESETS, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"one of {', '.join(PRESETS)}"
+            raise InputError(f"no preset {name!r} of vasculogenesis: {hint}")
+        return PRESETS[name]
+
+
+PRESETS: Mapping[str, Vasculogenesis] = MappingProxyType(
+    {
+        "fine": Vasculogenesis(growth_rate=0.0025),
+        "medium": Vasculogenesis(),
+        "coarse": Vasculogenesis(growth_rate=0.0004),
+        "paper": Vasculogenesis(tether=0.0),
+        "uniform": Vasculogenesis(growth_rate=0.0025, tether=0.03, stop_void_fraction=0.35),
+        "selfstop": Vasculogenesis(
+            threshold_spread=0.25, tether=0.03, stop_void_fraction=1.0, growth_limit=0.62, final_rest_factor=0.3
+        ),
+        "selfstop_fine": Vasculogenesis(
+            growth_rate=0.0018,
+            threshold_spread=0.3,
+            tether=0.1,
+            stop_void_fraction=1.0,
+            growth_limit=0.55,
+            final_rest_factor=0.3,
+        ),
+    }
+)
+"""Presets by name: void sizes in the window regime (fine, medium, coarse), the paper's model without tether, even voids
+(uniform), and two in which rupture ends by itself."""
