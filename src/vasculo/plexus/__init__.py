@@ -1,0 +1,1 @@
+"""From the broken network to the flow domain: voids, outlines, passages."""
