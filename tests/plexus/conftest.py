@@ -1,5 +1,7 @@
 """Hand-made networks: a grid of triangles from which springs are cut."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
@@ -36,7 +38,7 @@ def carve(columns, rows, holes, keep=(), move=None, triangles=True, jitter=0.0):
     def node(place):
         return int(place[0]) + (columns + 1) * int(place[1])
 
-    kept = {tuple(sorted((node(p), node(q)))) for path in keep for p, q in zip(path, path[1:], strict=False)}
+    kept = {tuple(sorted((node(p), node(q)))) for path in keep for p, q in pairwise(path)}
     gone &= np.array([tuple(edge) not in kept for edge in edges.tolist()])
     network = SpringNetwork(points, edges[~gone], triangles=corners if triangles else None)
     for place, target in (move or {}).items():

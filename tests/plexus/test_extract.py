@@ -65,7 +65,9 @@ def test_without_triangles_the_same_pillars(zoo):
     assert_sound(without)
     assert without.report.pillars == with_triangles.report.pillars
     for one in with_triangles.domain.pillars:
-        nearest = min(shapely.hausdorff_distance(shapely.Polygon(one), shapely.Polygon(p)) for p in without.domain.pillars)
+        nearest = min(
+            shapely.hausdorff_distance(shapely.Polygon(one), shapely.Polygon(p)) for p in without.domain.pillars
+        )
         assert nearest < 0.1
 
 
@@ -178,7 +180,9 @@ def test_budget_widens_then_merges_then_refuses(carver):
     assert wider.report.merged == 0
     assert wider.report.predicted_triangles <= 0.8 * triangles
     limit = extract(network, Extraction(tubule_width=1.25))
-    merged = extract(network, Extraction(tubule_width=0.3, triangle_budget=int(0.98 * limit.report.predicted_triangles)))
+    merged = extract(
+        network, Extraction(tubule_width=0.3, triangle_budget=int(0.98 * limit.report.predicted_triangles))
+    )
     assert_sound(merged)
     assert 1 <= merged.report.merged <= 0.15 * count
     assert merged.report.tubule_width_l0 == pytest.approx(1.25)

@@ -104,6 +104,7 @@ def test_minimum_width_leaves_wide_cords_alone():
     raw = np.array([shapely.box(1, 1, 6, 6), shapely.box(6, 1, 11, 6), shapely.box(14, 1, 19, 6)], dtype=object)
     result = clear(raw, shapely.box(0, 0, 20, 7), 0.8, "minimum", 0.3, 0.6)
     assert 0.95 * 0.8 < shapely.distance(result.shapes[0], result.shapes[1]) < 1.05 * 0.8
+    assert result.cut == 0
     assert result.shapes[2].bounds == pytest.approx((14.0, 1.0, 19.0, 6.0))
 
 

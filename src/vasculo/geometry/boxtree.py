@@ -11,8 +11,13 @@ from numba import njit
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vasculo.geometry.arrays import Floats, Longs
+
 LEAF = 4
 """Segments in one leaf."""
+
+STACK = 128
+"""Length of the buffer of boxes still to visit: two for each level of the tree are enough."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +98,7 @@ def _curve(points: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 @njit(cache=True, error_model="numpy")
-def distance_to(segments, item, x, y):  # type: ignore[no-untyped-def]
+def distance_to(segments: Floats, item: int, x: float, y: float) -> tuple[float, float]:
     """Distance from a point to one segment, and the place of the nearest point on it (0 start, 1 end)."""
     dx = segments[item, 2] - segments[item, 0]
     dy = segments[item, 3] - segments[item, 1]
@@ -109,7 +114,7 @@ def distance_to(segments, item, x, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def reach(boxes, lowest, slope, box, x, y):  # type: ignore[no-untyped-def]
+def reach(boxes: Floats, lowest: Floats, slope: float, box: int, x: float, y: float) -> float:
     """Lower bound of weight + slope * distance over the segments below a box."""
     dx = max(boxes[box, 0] - x, x - boxes[box, 2], 0.0)
     dy = max(boxes[box, 1] - y, y - boxes[box, 3], 0.0)
@@ -117,14 +122,25 @@ def reach(boxes, lowest, slope, box, x, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def least(segments, weights, boxes, lowest, slope, x, y, best, item):  # type: ignore[no-untyped-def]
+def least(
+    segments: Floats,
+    weights: Floats,
+    boxes: Floats,
+    lowest: Floats,
+    stack: Longs,
+    slope: float,
+    x: float,
+    y: float,
+    best: float,
+    item: int,
+) -> tuple[float, int]:
     """Smallest weight + slope * distance over all segments, if below `best`; returns it and its segment.
 
-    `best` and `item` are the value to beat and what is returned if nothing beats it (-1: nothing known).
+    `best` and `item` are the value to beat and what is returned if nothing beats it (-1: nothing known). `stack` is an
+    int64 buffer of length `STACK`, overwritten.
     """
     # Strategy: depth first, the nearer child first; a box is skipped when even a segment at its rim with its
     # smallest weight could not beat the best value so far.
-    stack = np.empty(64, dtype=np.int64)
     leaves = len(lowest) // 2
     stack[0] = 1
     top = 1

@@ -113,10 +113,8 @@ def planar_graph(points: Floats, edges: Ints) -> PlanarGraph:
         When there is no edge of any length.
     """
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    twin_of = np.arange(len(points), dtype=np.int32)
-    if extent > 0.0:
-        pairs = KDTree(points).query_pairs(COINCIDENT * extent, output_type="ndarray")
-        twin_of = _groups(len(points), pairs)
+    pairs = KDTree(points).query_pairs(COINCIDENT * extent, output_type="ndarray")
+    twin_of = _groups(len(points), pairs)
     single = _unique(twin_of[edges])
     if not len(single):
         raise InputError(f"a graph of {len(points)} nodes and {len(edges)} edges has no edge of any length")

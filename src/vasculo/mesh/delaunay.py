@@ -44,10 +44,11 @@ def fluid_triangles(
         Nodes that the triangulation could not tell apart, or a wall that could not be made an edge.
     """
     triangles, neighbours = _triangulate(points)
-    missing = edges[~_present(triangles, edges, len(triangles))]
+    missing = edges[~_present(triangles, edges)]
     if len(missing):
-        framed = _framed(points)
-        failed = recover_edges(framed, triangles, neighbours, np.ascontiguousarray(missing))
+        framed = _framed(points - points.mean(axis=0))
+        at = np.empty(len(framed), dtype=np.int32)
+        failed = recover_edges(framed, triangles, neighbours, np.ascontiguousarray(missing), at)
         if failed >= 0:
             (ax, ay), (bx, by) = points[missing[failed]]
             raise ComputationError(
@@ -80,7 +81,7 @@ def _triangulate(points: NDArray[np.float64]) -> tuple[NDArray[np.int32], NDArra
     return found.simplices.astype(np.int32), found.neighbors.astype(np.int32)
 
 
-def _present(triangles: NDArray[np.int32], edges: NDArray[np.int32], size: int) -> NDArray[np.bool_]:
+def _present(triangles: NDArray[np.int32], edges: NDArray[np.int32]) -> NDArray[np.bool_]:
     """Whether each wall is the edge of a triangle."""
     size = int(triangles.max()) + 1
     start = triangles.astype(np.int64).ravel()
@@ -92,7 +93,7 @@ def _present(triangles: NDArray[np.int32], edges: NDArray[np.int32], size: int) 
 def _inside(
     triangles: NDArray[np.int32], neighbours: NDArray[np.int32], edges: NDArray[np.int32], nodes: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Keep what lies to the left of the walls, by topology alone: cut the triangulation at the walls, take the pieces."""
+    """Keep what lies to the left of the walls, by topology alone: the pieces after cutting at the walls."""
     size = int(triangles.max()) + 1
     start = triangles[:, (1, 2, 0)].astype(np.int64)
     end = triangles[:, (2, 0, 1)].astype(np.int64)
@@ -103,7 +104,8 @@ def _inside(
     cut = left | right
     joined = (neighbours >= 0) & ~cut
     rows = np.nonzero(joined)[0]
-    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, neighbours[joined])), shape=(len(triangles),) * 2)
+    count = len(triangles)
+    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, neighbours[joined])), shape=(count, count))
     pieces, label = connected_components(graph.tocsr(), directed=False)
     fluid = np.zeros(pieces, dtype=bool)
     fluid[label[left.any(axis=1)]] = True

@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numba import njit
+
+if TYPE_CHECKING:
+    from vasculo.geometry.arrays import Flags, Floats, Ints
+    from vasculo.mesh.draft import Draft
+
+SWEEPS = 100
+"""Most passes of edge flips in a row."""
 
 ROUNDING = 1e-14
 """Relative error of the float64 determinants below; smaller values count as zero."""
 
 
+def retriangulate(draft: Draft) -> None:
+    """Make the triangles of a draft Delaunay again by flips, the walls kept; overwrites them."""
+    dirty = np.ones(len(draft.triangles), dtype=np.bool_)
+    restore_delaunay(draft.points, draft.triangles, draft.neighbours, dirty, SWEEPS)
+
+
 @njit(cache=True, error_model="numpy")
-def turn(points, a, b, c):  # type: ignore[no-untyped-def]
+def turn(points: Floats, a: int, b: int, c: int) -> float:
     """Twice the signed area of the triangle a, b, c; zero when it is lost in rounding."""
     left = (points[b, 0] - points[a, 0]) * (points[c, 1] - points[a, 1])
     right = (points[b, 1] - points[a, 1]) * (points[c, 0] - points[a, 0])
@@ -21,7 +36,7 @@ def turn(points, a, b, c):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def flip(triangles, neighbours, t, i):  # type: ignore[no-untyped-def]
+def flip(triangles: Ints, neighbours: Ints, t: int, i: int) -> None:
     """Replace the edge opposite to corner i of triangle t by the other diagonal; overwrites both triangles.
 
     Afterwards t = (p, a, q) and its neighbour u = (p, q, b), where p is corner i of t, (a, b) the old edge, q opposite.
@@ -61,7 +76,7 @@ def flip(triangles, neighbours, t, i):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def incircle(points, a, b, c, d):  # type: ignore[no-untyped-def]
+def incircle(points: Floats, a: int, b: int, c: int, d: int) -> float:
     """Positive when d lies inside the circle through the counter-clockwise a, b, c; zero when lost in rounding."""
     ax = points[a, 0] - points[d, 0]
     ay = points[a, 1] - points[d, 1]
@@ -80,13 +95,13 @@ def incircle(points, a, b, c, d):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def restore_delaunay(points, triangles, neighbours, sweeps):  # type: ignore[no-untyped-def]
+def restore_delaunay(points: Floats, triangles: Ints, neighbours: Ints, dirty: Flags, sweeps: int) -> int:
     """Flip edges until each is locally Delaunay, walls excepted; overwrites triangles and neighbours.
 
-    Returns the number of flips; at most `sweeps` passes are made. Every triangle keeps a positive area.
+    Returns the number of flips; at most `sweeps` passes are made. `dirty` (t,) marks the triangles to look at
+    (given: all) and is overwritten. Every triangle keeps a positive area.
     """
     flips = 0
-    dirty = np.ones(len(triangles), dtype=np.bool_)
     for _ in range(sweeps):
         done = 0
         for t in range(len(triangles)):
@@ -122,18 +137,18 @@ def restore_delaunay(points, triangles, neighbours, sweeps):  # type: ignore[no-
 
 
 @njit(cache=True, error_model="numpy")
-def recover_edges(points, triangles, neighbours, wanted):  # type: ignore[no-untyped-def]
+def recover_edges(points: Floats, triangles: Ints, neighbours: Ints, wanted: Ints, at: Ints) -> int:
     """Flip edges until each wanted edge is there; overwrites triangles and neighbours.
 
-    Every wanted edge must end at inner nodes of the triangulation and cross no other wanted edge. Returns the first edge
-    that could not be made, or -1.
+    Every wanted edge must end at inner nodes of the triangulation and cross no other wanted edge. `at` (n,) is
+    a buffer. Returns the first edge that could not be made, or -1.
     """
-    at = np.empty(len(points), dtype=np.int64)
     for t in range(len(triangles)):
         for k in range(3):
             at[triangles[t, k]] = t
-    # Strategy: walk from a to b over the crossed edges. Flip the first one whose flip leaves fewer crossings; if there is
-    # none, flip the n-th that can be flipped at all, n changing from try to try so that flips do not undo each other.
+    # Strategy: walk from a to b over the crossed edges. Flip the first one whose flip leaves fewer crossings; if
+    # there is none, flip the n-th that can be flipped at all, n changing from try to try so that flips do not undo
+    # each other.
     for w in range(len(wanted)):
         a = wanted[w, 0]
         b = wanted[w, 1]
@@ -148,7 +163,7 @@ def recover_edges(points, triangles, neighbours, wanted):  # type: ignore[no-unt
                     k += 1
                 v = triangles[t, (k + 1) % 3]
                 z = triangles[t, (k + 2) % 3]
-                if v == b or z == b:
+                if b in (v, z):
                     found = True
                     break
                 if turn(points, a, v, b) > 0.0 and turn(points, a, z, b) < 0.0:

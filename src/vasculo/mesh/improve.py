@@ -10,6 +10,9 @@ from numba import njit
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vasculo.geometry.arrays import Flags, Floats, Ints
+    from vasculo.mesh.draft import Draft
+
 
 def stars(triangles: NDArray[np.int32], nodes: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Corners around each node: star[first[i]:first[i + 1]] holds 3 t + corner, for the triangles t of node i."""
@@ -19,8 +22,13 @@ def stars(triangles: NDArray[np.int32], nodes: int) -> tuple[NDArray[np.int32], 
     return first, star
 
 
+def smooth_draft(draft: Draft) -> None:
+    """Smooth the free nodes of a draft, one sweep; overwrites its points."""
+    smooth(draft.points, draft.triangles, *stars(draft.triangles, len(draft.points)), draft.fixed, 1)
+
+
 @njit(cache=True, error_model="numpy")
-def star_energy(points, triangles, star, start, stop, x, y):  # type: ignore[no-untyped-def]
+def star_energy(points: Floats, triangles: Ints, star: Ints, start: int, stop: int, x: float, y: float) -> float:
     """Sum over a star of (sum of squared edges / (4 sqrt(3) area))^2 with its node at (x, y); infinite when folded."""
     energy = 0.0
     for s in range(start, stop):
@@ -41,15 +49,17 @@ def star_energy(points, triangles, star, start, stop, x, y):  # type: ignore[no-
 
 
 @njit(cache=True, error_model="numpy")
-def smooth(points, triangles, first, star, fixed, sweeps):  # type: ignore[no-untyped-def]
-    """Move each node but the first `fixed` to lower its star's energy; overwrites points.
+def smooth(points: Floats, triangles: Ints, first: Ints, star: Ints, fixed: Flags, sweeps: int) -> None:
+    """Move each node that is not `fixed` to lower its star's energy; overwrites points.
 
     The energy is the sum of squared inverse mean ratios (1 for an equilateral triangle), so no triangle can fold.
     """
     # Strategy: node after node, one Newton step with the exact 2 x 2 Hessian (gradient step where it is not positive),
     # halved until the energy falls.
     for _ in range(sweeps):
-        for i in range(fixed, len(points)):
+        for i in range(len(points)):
+            if fixed[i]:
+                continue
             start = first[i]
             stop = first[i + 1]
             x = points[i, 0]

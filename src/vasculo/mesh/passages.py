@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
-from vasculo.geometry.boxtree import LEAF, box_tree, distance_to, reach
+from vasculo.geometry.boxtree import LEAF, STACK, box_tree, distance_to, reach
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vasculo.geometry.arrays import Floats, Ints, Longs
     from vasculo.mesh.walls import Walls
 
 FACING = 0.5
@@ -36,6 +37,8 @@ class Passages:
     ----------
     points, across : (s, 2) float64, model length
         Wall point, and the nearest point of another outline (or of a facing part of its own).
+    pieces : (s, 4) float64, model length
+        Piece of wall that the point stands for, its start and its end.
     gap : (s,) float64, model length
         Distance between the two.
     share : (s,) float64, model length
@@ -46,6 +49,7 @@ class Passages:
 
     points: NDArray[np.float64]
     across: NDArray[np.float64]
+    pieces: NDArray[np.float64]
     gap: NDArray[np.float64]
     share: NDArray[np.float64]
     body: NDArray[np.int32]
@@ -76,20 +80,26 @@ def passages_of(walls: Walls, widest: float) -> Passages:
         segment = np.repeat(np.arange(len(pieces)), pieces)
         first = np.cumsum(pieces) - pieces
         place = (np.arange(len(segment)) - first[segment]) / pieces[segment]
-        gap, hit, along = nearest_facing(
-            tree.segments, bodies, facts, tree.boxes, tree.lowest,
-            walls.segments[segment], place, walls.body[segment], walls.arc[segment], float(widest),
+        gap = np.full(len(segment), float(widest))
+        hit = np.full(len(segment), -1, dtype=np.int64)
+        along = np.zeros(len(segment))
+        nearest_facing(
+            tree.segments, bodies, facts, tree.boxes, tree.lowest, np.empty(STACK, dtype=np.int64),
+            walls.segments[segment], place, walls.body[segment], walls.arc[segment], gap, hit, along,
         )  # fmt: skip
         narrowest = np.minimum.reduceat(gap, first)
-        pieces = np.clip(np.ceil(2.0 * walls.lengths / narrowest), 2, PIECES).astype(np.int64)
-    share = (walls.lengths / np.bincount(segment))[segment]
+        used, pieces = pieces, np.clip(np.ceil(2.0 * walls.lengths / narrowest), 2, PIECES).astype(np.int64)
+    share = (walls.lengths / used)[segment]
     near = np.flatnonzero(hit >= 0)
     segment, place, hit, along = segment[near], place[near], hit[near], along[near]
-    start, end = walls.segments[segment, :2], walls.segments[segment, 2:]
+    start, step = walls.segments[segment, :2], np.diff(walls.segments.reshape(-1, 2, 2), axis=1)[segment, 0]
+    half = 0.5 / used[segment]
+    low, high = np.maximum(place - half, 0.0), np.where(place + 2.5 * half > 1.0, 1.0, place + half)
     opposite = tree.segments[hit]
     return Passages(
-        points=start + place[:, None] * (end - start),
+        points=start + place[:, None] * step,
         across=opposite[:, :2] + along[:, None] * (opposite[:, 2:] - opposite[:, :2]),
+        pieces=np.hstack((start + low[:, None] * step, start + high[:, None] * step)),
         gap=gap[near],
         share=share[near],
         body=walls.body[segment],
@@ -98,19 +108,29 @@ def passages_of(walls: Walls, widest: float) -> Passages:
 
 
 @njit(cache=True, error_model="numpy")
-def nearest_facing(segments, bodies, facts, boxes, lowest, own, place, body, arc, widest):  # type: ignore[no-untyped-def]
+def nearest_facing(
+    segments: Floats,
+    bodies: Ints,
+    facts: Floats,
+    boxes: Floats,
+    lowest: Floats,
+    stack: Longs,
+    own: Floats,
+    place: Floats,
+    body: Ints,
+    arc: Floats,
+    gap: Floats,
+    hit: Longs,
+    along: Floats,
+) -> None:
     """Distance to the nearest other outline, or facing part of the same one, in front of each wall sample.
 
     `facts` holds arc, length and outline length of the tree's segments; `own` the sample's segment, `place` where on it
-    the sample lies (0 to 1). Returns the distance (`widest` if nothing is nearer), the segment hit (or -1), the place on it.
+    the sample lies (0 to 1). Overwrites `gap` (given: the largest distance looked for), `hit` (the segment found;
+    given: -1), `along` (the place on it) and the buffer `stack`.
     """
-    samples = len(place)
-    gap = np.full(samples, widest)
-    hit = np.full(samples, -1, dtype=np.int64)
-    along = np.zeros(samples)
-    stack = np.empty(64, dtype=np.int64)
     leaves = len(lowest) // 2
-    for i in range(samples):
+    for i in range(len(place)):
         dx = own[i, 2] - own[i, 0]
         dy = own[i, 3] - own[i, 1]
         length = np.sqrt(dx * dx + dy * dy)
@@ -146,7 +166,7 @@ def nearest_facing(segments, bodies, facts, boxes, lowest, own, place, body, arc
                     away = min(away, facts[k, 2] - away)
                     before = abs(facts[k, 0] + facts[k, 1] - arc[i])
                     after = abs(arc[i] + length - facts[k, 0])
-                    touch = min(min(before, abs(before - facts[k, 2])), min(after, abs(after - facts[k, 2])))
+                    touch = min(before, abs(before - facts[k, 2]), after, abs(after - facts[k, 2]))
                     if (
                         min(away - DETOUR * distance, touch) <= TOUCHING * facts[k, 2]
                         or dx * wy - dy * wx < FACING * distance * length
@@ -156,4 +176,3 @@ def nearest_facing(segments, bodies, facts, boxes, lowest, own, place, body, arc
                 gap[i] = distance
                 hit[i] = k
                 along[i] = t
-    return gap, hit, along

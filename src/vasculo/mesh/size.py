@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import njit
 
-from vasculo.geometry.boxtree import BoxTree, box_tree, least
+from vasculo.geometry.boxtree import STACK, BoxTree, box_tree, distance_to, least
 from vasculo.mesh.passages import passages_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vasculo.geometry.arrays import Floats, Longs
     from vasculo.mesh.passages import Passages
     from vasculo.mesh.walls import Walls
 
@@ -31,27 +32,37 @@ class SizeField:
     Parameters
     ----------
     sources : BoxTree
-        Wall segments and points in the passages, with their sizes as weights (model length).
+        Wall segments and lines in the passages, with their sizes as weights (model length).
     slope : float, dimensionless
         Largest gradient of h.
     largest : float, model length
         h far from all sources.
+    wall_sizes : (n,) float64, model length
+        Size at each wall segment, passages left aside.
+    passages : Passages
+        The passages found.
+    passage_sizes : (s,) float64, model length
+        Size in each of them.
     """
 
     sources: BoxTree
     slope: float
     largest: float
+    wall_sizes: NDArray[np.float64]
+    passages: Passages
+    passage_sizes: NDArray[np.float64]
 
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Wanted edge length at points (n, 2); (n,) float64, model length."""
         tree = self.sources
         places = np.ascontiguousarray(points, dtype=np.float64)
-        return sizes_at(places, tree.segments, tree.weights, tree.boxes, tree.lowest, self.slope, self.largest)
+        sizes = np.empty(len(places))
+        stack = np.empty(STACK, dtype=np.int64)
+        sizes_at(places, tree.segments, tree.weights, tree.boxes, tree.lowest, stack, self.slope, self.largest, sizes)
+        return sizes
 
 
-def size_field(
-    walls: Walls, edge_length: float, wall_edge_length: float, across: float, grading: float
-) -> tuple[SizeField, Passages]:
+def size_field(walls: Walls, edge_length: float, wall_edge_length: float, across: float, grading: float) -> SizeField:
     """Make the size field of a domain.
 
     Parameters
@@ -68,18 +79,44 @@ def size_field(
 
     Returns
     -------
-    field : SizeField
-    passages : Passages
-        The passages measured on the way, with the size in each.
+    SizeField
     """
+    # Strategy: a size at each wall segment, and one at each measured passage, on the wall and half way across; between
+    # them the size grows with the distance. In a passage the wall sizes alone would grow towards its middle.
     layers = max(float(across), BASE_LAYERS)
     passages = passages_of(walls, edge_length * layers / LAYER)
-    at_wall = np.minimum(np.minimum(wall_edge_length, edge_length), walls.lengths)
-    narrow = np.minimum(passages.gap * (LAYER / layers), wall_edge_length)
-    points = np.concatenate((passages.points, 0.5 * (passages.points + passages.across)))
-    segments = np.concatenate((walls.segments, np.hstack((points, points))))
-    sizes = np.concatenate((at_wall, narrow, np.minimum(passages.gap * (LAYER / layers), edge_length)))
-    return SizeField(box_tree(segments, sizes), float(grading), float(edge_length)), passages
+    at_wall = np.minimum(min(wall_edge_length, edge_length), walls.lengths)
+    narrow = np.minimum(passages.gap * (LAYER / layers), edge_length)
+    half_way = np.tile(0.5 * (passages.across - passages.points), 2)
+    segments = np.concatenate((walls.segments, passages.pieces, passages.pieces + half_way))
+    sources = box_tree(segments, np.concatenate((at_wall, narrow, narrow)))
+    return SizeField(sources, float(grading), float(edge_length), at_wall, passages, narrow)
+
+
+def with_wall_edges(field: SizeField, points: NDArray[np.float64], edges: NDArray[np.int32]) -> SizeField:
+    """Let the wall edges as they were cut set the size at the walls.
+
+    Parameters
+    ----------
+    field : SizeField
+    points : (n, 2) float64, model length
+        Wall nodes.
+    edges : (e, 2) int32
+        Wall edges.
+
+    Returns
+    -------
+    SizeField
+        The passages as before; each wall edge asks for its own length.
+    """
+    # Strategy: whole numbers of edges fit on an outline segment, so edges come out shorter than asked for; nodes in front
+    # of them that kept the longer size would make flat triangles.
+    ends = np.hstack((points[edges[:, 0]], points[edges[:, 1]]))
+    lengths = np.minimum(np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1]), field.largest)
+    half_way = np.tile(0.5 * (field.passages.across - field.passages.points), 2)
+    segments = np.concatenate((ends, field.passages.pieces, field.passages.pieces + half_way))
+    sources = box_tree(segments, np.concatenate((lengths, field.passage_sizes, field.passage_sizes)))
+    return replace(field, sources=sources)
 
 
 def sizes_at_plain(
@@ -99,9 +136,21 @@ def sizes_at_plain(
 
 
 @njit(cache=True, error_model="numpy")
-def sizes_at(points, segments, weights, boxes, lowest, slope, largest):  # type: ignore[no-untyped-def]
-    """Wanted edge length at each point."""
-    sizes = np.empty(len(points))
+def sizes_at(
+    points: Floats,
+    segments: Floats,
+    weights: Floats,
+    boxes: Floats,
+    lowest: Floats,
+    stack: Longs,
+    slope: float,
+    largest: float,
+    sizes: Floats,
+) -> None:
+    """Wanted edge length at each point, into `sizes`; points that follow each other should be near each other."""
+    item = np.int64(-1)
     for i in range(len(points)):
-        sizes[i] = least(segments, weights, boxes, lowest, slope, points[i, 0], points[i, 1], largest, -1)[0]
-    return sizes
+        bound = largest
+        if item >= 0:
+            bound = min(bound, weights[item] + slope * distance_to(segments, item, points[i, 0], points[i, 1])[0])
+        sizes[i], item = least(segments, weights, boxes, lowest, stack, slope, points[i, 0], points[i, 1], bound, item)

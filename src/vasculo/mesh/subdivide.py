@@ -7,20 +7,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
-from vasculo.geometry.boxtree import least
+from vasculo.geometry.boxtree import STACK, distance_to, least
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vasculo.geometry.arrays import Floats, Longs
     from vasculo.mesh.size import SizeField
     from vasculo.mesh.walls import Walls
 
-SLACK = 0.15
+SLACK = 0.35
 """A segment may be this much longer (in local sizes) than its pieces should be before it gets one more piece."""
 
 
 def wall_nodes(
-    walls: Walls, field: SizeField
+    walls: Walls, field: SizeField, whole: NDArray[np.bool_] | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
     """Nodes and edges on all outlines.
 
@@ -28,6 +29,8 @@ def wall_nodes(
     ----------
     walls : Walls
     field : SizeField
+    whole : (m,) bool, optional
+        Segments that are not cut.
 
     Returns
     -------
@@ -40,9 +43,21 @@ def wall_nodes(
     """
     tree = field.sources
     segments = walls.segments
-    pieces, places = cut_evenly(
-        segments, tree.segments, tree.weights, tree.boxes, tree.lowest, field.slope, field.largest, SLACK
-    )
+    cuttable = np.ones(len(segments), dtype=bool) if whole is None else ~whole
+    pieces = np.ones(len(segments), dtype=np.int64)
+    places = np.empty(0)
+    cut = np.ascontiguousarray(segments[cuttable])
+    counts, sums = np.ones(len(cut), dtype=np.int64), np.zeros(len(cut))
+    stack = np.empty(STACK, dtype=np.int64)
+    for fill in range(2):
+        cut_evenly(
+            cut, tree.segments, tree.weights, tree.boxes, tree.lowest, stack, field.slope, field.largest,
+            fill, counts, sums, places,
+        )  # fmt: skip
+        if fill == 0:
+            counts = np.maximum(1, np.ceil(sums - SLACK)).astype(np.int64)
+            places = np.empty(int((counts - 1).sum()))
+    pieces[cuttable] = counts
     # Strategy: the pieces of segment s are start, new nodes of s in order, end; their edges are consecutive pairs.
     owner = np.repeat(np.arange(len(segments)), pieces - 1)
     fresh = segments[owner, :2] + places[:, None] * (segments[owner, 2:] - segments[owner, :2])
@@ -62,51 +77,57 @@ def wall_nodes(
 
 
 @njit(cache=True, error_model="numpy")
-def cut_evenly(walls, segments, weights, boxes, lowest, slope, largest, slack):  # type: ignore[no-untyped-def]
-    """Number of pieces of each wall segment, and the places (0 to 1) of the cuts, segment after segment.
+def cut_evenly(
+    walls: Floats,
+    segments: Floats,
+    weights: Floats,
+    boxes: Floats,
+    lowest: Floats,
+    stack: Longs,
+    slope: float,
+    largest: float,
+    fill: int,
+    pieces: Longs,
+    sums: Floats,
+    places: Floats,
+) -> None:
+    """Integrate ds / h along each wall segment into `sums`; with `fill`, put its cuts (0 to 1) into `places` instead.
 
-    The pieces have equal integrals of ds / h.
+    The cuts divide each segment into `pieces` with equal integrals; they stand segment after segment.
     """
-    pieces = np.ones(len(walls), dtype=np.int64)
-    places = np.empty(0)
-    sums = np.zeros(len(walls))
-    total = 0
-    # Strategy: march along each segment in steps of half the local size, summing ds / h (trapezoid in 1 / h);
-    # the first round counts, the second walks again and drops a cut at each equal share of the sum.
-    for fill in range(2):
-        if fill == 1:
-            places = np.empty(total)
-        done = 0
-        for s in range(len(walls)):
-            dx = walls[s, 2] - walls[s, 0]
-            dy = walls[s, 3] - walls[s, 1]
-            length = np.sqrt(dx * dx + dy * dy)
-            if fill == 1 and pieces[s] == 1:
-                continue
-            reached = 0.0
-            summed = 0.0
-            cut = 1
-            share = sums[s] / pieces[s]
-            h = least(segments, weights, boxes, lowest, slope, walls[s, 0], walls[s, 1], largest, -1)[0]
-            while reached < length:
-                step = min(0.5 * h, length - reached)
-                if length - reached - step < 1e-9 * length:
-                    step = length - reached
-                t = (reached + step) / length
-                x = walls[s, 0] + t * dx
-                y = walls[s, 1] + t * dy
-                new = least(segments, weights, boxes, lowest, slope, x, y, largest, -1)[0]
-                rise = 0.5 * step * (1.0 / h + 1.0 / new)
-                if fill == 1:
-                    while cut < pieces[s] and summed + rise >= cut * share:
-                        places[done] = (reached + step * (cut * share - summed) / rise) / length
-                        done += 1
-                        cut += 1
-                summed += rise
-                reached += step
-                h = new
-            if fill == 0:
-                sums[s] = summed
-                pieces[s] = max(1, int(np.ceil(summed - slack)))
-                total += pieces[s] - 1
-    return pieces, places
+    # Strategy: march along each segment in steps of half the local size, summing ds / h (trapezoid in 1 / h); when
+    # filling, walk the same way again and drop a cut at each equal share of the sum.
+    done = 0
+    for s in range(len(walls)):
+        if fill == 1 and pieces[s] == 1:
+            continue
+        dx = walls[s, 2] - walls[s, 0]
+        dy = walls[s, 3] - walls[s, 1]
+        length = np.sqrt(dx * dx + dy * dy)
+        share = sums[s] / pieces[s]
+        reached = 0.0
+        summed = 0.0
+        cut = 1
+        item = np.int64(-1)
+        h, item = least(segments, weights, boxes, lowest, stack, slope, walls[s, 0], walls[s, 1], largest, item)
+        while reached < length:
+            step = min(0.5 * h, length - reached)
+            if length - reached - step < 1e-9 * length:
+                step = length - reached
+            t = (reached + step) / length
+            x = walls[s, 0] + t * dx
+            y = walls[s, 1] + t * dy
+            bound = largest
+            if item >= 0:
+                bound = min(bound, weights[item] + slope * distance_to(segments, item, x, y)[0])
+            new, item = least(segments, weights, boxes, lowest, stack, slope, x, y, bound, item)
+            rise = 0.5 * step * (1.0 / h + 1.0 / new)
+            while fill == 1 and cut < pieces[s] and summed + rise >= cut * share:
+                places[done] = (reached + step * (cut * share - summed) / rise) / length
+                done += 1
+                cut += 1
+            summed += rise
+            reached += step
+            h = new
+        if fill == 0:
+            sums[s] = summed

@@ -35,8 +35,8 @@ class Triangulation:
     Raises
     ------
     InputError
-        A triangle that is not counter-clockwise, an edge used twice in one direction, boundary edges that are not exactly
-        the edges with one triangle, or tags out of range.
+        A triangle that is not counter-clockwise, an edge used twice in one direction, boundary edges that are not
+        exactly the edges with one triangle, or tags out of range.
 
     Notes
     -----
@@ -103,7 +103,7 @@ class Triangulation:
         return triangle_quality(self.points, self.triangles)
 
     def edge_of(self, name: str) -> NDArray[np.int64]:
-        """Indices of the boundary edges of a side; of all pillars for "pillars".
+        """Give the indices of the boundary edges of a side; of all pillars for "pillars".
 
         Raises
         ------

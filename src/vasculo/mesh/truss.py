@@ -10,6 +10,9 @@ from numba import njit
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vasculo.geometry.arrays import Flags, Floats, Ints
+    from vasculo.mesh.draft import Draft
+
 PRESSURE = 1.2
 """Rest lengths over wanted lengths: the 'internal pressure' (Persson & Strang 2004)."""
 
@@ -21,6 +24,22 @@ DAMPING = 1.5
 
 FOLD = 0.1
 """A step may not leave a triangle with less than this share of the area that its size asks for."""
+
+
+STEPS = 8
+"""Steps of motion between two triangulations."""
+
+
+def relax_truss(draft: Draft) -> None:
+    """Let the springs of a draft push its free nodes for `STEPS` steps, from rest; overwrites the points."""
+    springs = unique_edges(draft.triangles, draft.neighbours)
+    points, triangles = draft.points, draft.triangles
+    least = FOLD * 0.5 * np.sqrt(3.0) * draft.sizes[triangles].min(axis=1) ** 2
+    work = np.zeros_like(points), np.empty_like(points), np.empty_like(points)
+    relax(
+        points, *work, springs, triangles, draft.sizes, draft.fixed, least,
+        STEPS, PRESSURE, TIME_STEP, DAMPING,
+    )  # fmt: skip
 
 
 def unique_edges(triangles: NDArray[np.int32], neighbours: NDArray[np.int32]) -> NDArray[np.int32]:
@@ -35,17 +54,16 @@ def relax_plain(
     edges: NDArray[np.int32],
     triangles: NDArray[np.int32],
     sizes: NDArray[np.float64],
-    fixed: int,
+    fixed: NDArray[np.bool_],
+    least: NDArray[np.float64],
     steps: int,
     pressure: float,
     time_step: float,
     damping: float,
-    fold: float,
 ) -> None:
     """Plain twin of `relax`."""
     a, b = edges.T
     wanted = 0.5 * (sizes[a] + sizes[b])
-    least = fold * np.sqrt(3.0) / 2.0 * np.sort(sizes[triangles], axis=1)[:, 0] ** 2
     for _ in range(steps):
         way = points[b] - points[a]
         length = np.hypot(way[:, 0], way[:, 1])
@@ -70,30 +88,40 @@ def relax_plain(
 
 
 @njit(cache=True, error_model="numpy")
-def relax(points, velocities, edges, triangles, sizes, fixed, steps, pressure, time_step, damping, fold):  # type: ignore[no-untyped-def]
+def relax(
+    points: Floats,
+    velocities: Floats,
+    force: Floats,
+    old: Floats,
+    edges: Ints,
+    triangles: Ints,
+    sizes: Floats,
+    fixed: Flags,
+    least: Floats,
+    steps: int,
+    pressure: float,
+    time_step: float,
+    damping: float,
+) -> None:
     """Move the nodes `steps` steps by eqs. (2), (3) under springs that only push; overwrites points and velocities.
 
-    The first `fixed` nodes stay. `sizes` are the wanted lengths at the nodes; rest lengths are scaled so that the springs
-    push as if the nodes filled the domain `pressure` times too densely. A node whose step would flatten a triangle stays.
+    `fixed` nodes stay. `sizes` are the wanted lengths at the nodes; rest lengths are scaled so that the springs
+    push as if the nodes filled the domain `pressure` times too densely. `least` is twice the
+    smallest area of each triangle: a node whose step would leave less stays. `force` and `old` (n, 2) are buffers.
     """
-    count = len(edges)
-    force = np.empty_like(points)
-    old = np.empty_like(points)
-    least = np.empty(len(triangles))
-    for t in range(len(triangles)):
-        h = min(sizes[triangles[t, 0]], sizes[triangles[t, 1]], sizes[triangles[t, 2]])
-        least[t] = fold * 0.8660254037844386 * h * h
     for _ in range(steps):
         squares = 0.0
         wishes = 0.0
-        for e in range(count):
+        for e in range(len(edges)):
             a = edges[e, 0]
             b = edges[e, 1]
             squares += (points[b, 0] - points[a, 0]) ** 2 + (points[b, 1] - points[a, 1]) ** 2
             wishes += (0.5 * (sizes[a] + sizes[b])) ** 2
         scale = pressure * np.sqrt(squares / wishes)
-        force[:] = 0.0
-        for e in range(count):
+        for i in range(len(points)):
+            force[i, 0] = 0.0
+            force[i, 1] = 0.0
+        for e in range(len(edges)):
             a = edges[e, 0]
             b = edges[e, 1]
             dx = points[b, 0] - points[a, 0]
@@ -107,7 +135,7 @@ def relax(points, velocities, edges, triangles, sizes, fixed, steps, pressure, t
         for i in range(len(points)):
             for k in range(2):
                 old[i, k] = points[i, k]
-                if i >= fixed:
+                if not fixed[i]:
                     velocities[i, k] = (velocities[i, k] + time_step * force[i, k]) / (1.0 + damping * time_step)
                     points[i, k] += time_step * velocities[i, k]
         held = True

@@ -103,8 +103,9 @@ def ray_agreement(points: Floats, springs: Ints, outlines: Sequence[Floats], ray
     for index, polygon in enumerate(polygons):
         met = np.isfinite(distances[index])
         star, _ = repaired(centres[index] + distances[index, met, None] * direction[met])
-        union = shapely.union(star, polygon).area
-        result[index] = shapely.intersection(star, polygon).area / union if union > 0.0 else 0.0
+        shared = shapely.intersection(star, polygon).area
+        union = star.area + polygon.area - shared
+        result[index] = shared / union if union > 0.0 else 0.0
     return result
 
 

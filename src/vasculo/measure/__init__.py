@@ -1,0 +1,21 @@
+"""Numbers that biologists quote, each defined in its docstring."""
+
+from vasculo.measure.hydraulics import alignment, mean_wall_shear, permeability, pillar_drag, shear_ratio
+from vasculo.measure.plexus import PlexusNumbers, plexus
+from vasculo.measure.shape import Chains, PillarTable, chains, mean_gap, order, pillars
+
+__all__ = [
+    "Chains",
+    "PillarTable",
+    "PlexusNumbers",
+    "alignment",
+    "chains",
+    "mean_gap",
+    "mean_wall_shear",
+    "order",
+    "permeability",
+    "pillar_drag",
+    "pillars",
+    "plexus",
+    "shear_ratio",
+]

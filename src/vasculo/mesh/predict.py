@@ -1,0 +1,59 @@
+"""How many triangles a size field asks for, before any is made."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vasculo.mesh.size import SizeField
+    from vasculo.mesh.walls import Walls
+
+TRIANGLE = np.sqrt(3.0) / 4.0
+"""Area of an equilateral triangle over its edge length squared."""
+
+
+def predicted_triangles(walls: Walls, field: SizeField, area: float) -> tuple[float, float, tuple[int, int, float]]:
+    """Estimate the number of triangles: integral of dA / (TRIANGLE h^2), within about a factor of two.
+
+    Parameters
+    ----------
+    walls : Walls
+    field : SizeField
+    area : float, model length squared
+        Area of the fluid.
+
+    Returns
+    -------
+    total : float
+        Triangles in all.
+    dearest : float
+        Triangles in the passage that takes most.
+    passage : (int, int, float)
+        The two outlines of that passage (numbered as in `Walls`) and its smallest width; (-1, -1, inf) if none.
+    """
+    # Strategy: the open fluid at the largest size; a strip along each wall, in which the size grows from the
+    # wall's; and half of each passage's width in front of each wall sample, if that is less than its strip.
+    total = area / field.largest**2 + float((_strip(field, field.wall_sizes) * walls.lengths).sum())
+    passages, sizes = field.passages, field.passage_sizes
+    if not len(sizes):
+        return total / TRIANGLE, 0.0, (-1, -1, np.inf)
+    each = passages.share * np.minimum(0.5 * passages.gap / sizes**2, _strip(field, sizes))
+    total += float(each.sum())
+    bodies = int(walls.body.max()) + 1
+    pair = np.minimum(passages.body, passages.other).astype(np.int64) * bodies
+    pair += np.maximum(passages.body, passages.other)
+    number, place = np.unique(pair, return_inverse=True)
+    cost = np.bincount(place, weights=each)
+    most = int(np.argmax(cost))
+    low, high = divmod(int(number[most]), bodies)
+    return total / TRIANGLE, float(cost[most]) / TRIANGLE, (low, high, float(passages.gap[place == most].min()))
+
+
+def _strip(field: SizeField, sizes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Integral over the distance y from a wall of 1 / (size + slope y)^2 - 1 / largest^2, until the size is largest."""
+    low, high = np.minimum(sizes, field.largest), field.largest
+    return np.asarray(((1.0 / low - 1.0 / high) - (high - low) / high**2) / field.slope)

@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import Delaunay
+
+from vasculo.errors import InputError
+from vasculo.geometry.planar import planar_faces, planar_graph
+
+
+def test_crossing_diagonals_dangling_and_island():
+    points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.2, 0.5], [5, 5], [6, 5], [5, 6]], dtype=float)
+    edges = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3], [3, 4], [5, 6], [6, 7], [7, 5]], dtype=np.int32)
+    graph = planar_graph(points, edges)
+    assert len(graph.share) == 1
+    whole = graph.carry(points)
+    np.testing.assert_allclose(whole[-1], (0.5, 0.5))
+    result = planar_faces(whole, graph.edges)
+    assert result.loose == 1
+    np.testing.assert_allclose(np.sort(result.areas(whole)), [-1.0, -0.5, 0.25, 0.25, 0.25, 0.25, 0.5])
+    island = int(np.argmax(result.areas(whole)))
+    assert sorted(result.loop(island).tolist()) == [5, 6, 7]
+    # the crossing point moves with the spring it lies on
+    np.testing.assert_allclose(graph.carry(points * 2.0)[-1], (1.0, 1.0))
+
+
+def test_coincident_nodes_are_one():
+    points = np.array([[0, 0], [1, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
+    edges = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 0], [0, 2]], dtype=np.int32)
+    graph = planar_graph(points, edges)
+    assert len(graph.edges) == 4
+    result = planar_faces(graph.carry(points), graph.edges)
+    assert sorted(result.areas(graph.carry(points))) == pytest.approx([-1.0, 1.0])
+
+
+@settings(max_examples=30, deadline=None)
+@given(nodes=st.integers(5, 60), seed=st.integers(0, 10_000), left=st.floats(0.3, 1.0))
+def test_faces_equal_polygonised_lines(nodes, seed, left):
+    rng = np.random.default_rng(seed)
+    points = rng.random((nodes, 2))
+    triangles = Delaunay(points).simplices
+    edges = np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0).astype(np.int32)
+    edges = edges[rng.random(len(edges)) < left]
+    if not len(edges):
+        return
+    result = planar_faces(points, edges)
+    areas = result.areas(points) if len(result.face) else np.empty(0)
+    polygons = shapely.get_parts(shapely.polygonize(list(shapely.linestrings(points[edges]))))
+    shells = sorted(shapely.Polygon(polygon.exterior).area for polygon in polygons)
+    np.testing.assert_allclose(np.sort(areas[areas > 0.0]), shells, rtol=1e-9, atol=1e-12)
+
+
+def test_random_chords_keep_their_area():
+    rng = np.random.default_rng(2)
+    points = np.concatenate([[(0, 0), (1, 0), (1, 1), (0, 1)], rng.random((30, 2))])
+    edges = [(0, 1), (1, 2), (2, 3), (3, 0)] + [(4 + 2 * k, 5 + 2 * k) for k in range(15)]
+    edges += [(0, 4), (2, 7)]
+    graph = planar_graph(points, np.array(edges, dtype=np.int32))
+    whole = graph.carry(points)
+    assert len(graph.share) > 5
+    result = planar_faces(whole, graph.edges)
+    areas = result.areas(whole)
+    assert areas[areas < 0.0].min() == pytest.approx(-1.0)
+
+
+def test_no_edge_of_any_length():
+    with pytest.raises(InputError, match="no edge of any length"):
+        planar_graph(np.zeros((2, 2)), np.array([[0, 1]], dtype=np.int32))
