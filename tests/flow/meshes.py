@@ -67,7 +67,7 @@ def cylinder_in_square(fraction, around=48, across=None, jitter=0.15, seed=0, ex
 
 
 def _rings(points):
-    """Triangles between closed rings of points, (rings, around, 2): each quadrilateral is cut by its shorter diagonal."""
+    """Triangles between closed rings of points, (rings, around, 2): quadrilaterals cut by their shorter diagonals."""
     rings, around, _ = points.shape
     k, j = np.meshgrid(np.arange(rings - 1), np.arange(around), indexing="ij")
     a, b = (k * around + j).ravel(), (k * around + (j + 1) % around).ravel()
@@ -87,8 +87,7 @@ def _turned(points, turn):
 def _side(middle, width, height):
     """Number in SIDES of the side that a point lies on."""
     gap = np.column_stack([middle[:, 1], width - middle[:, 0], height - middle[:, 1], middle[:, 0]])
-    side = np.argmin(np.abs(gap), axis=1)
-    return side
+    return np.argmin(np.abs(gap), axis=1)
 
 
 def _tagged(points, triangles, side_of, names=SIDES, pillar=None):

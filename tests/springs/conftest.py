@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.spatial import Delaunay
+from scipy.spatial import Delaunay, cKDTree
 
 from vasculo.springs.network import SpringNetwork
 
@@ -15,9 +15,8 @@ def triangular(rows, columns):
 
 def joined(points, reach):
     """Points, and springs between all that are closer than reach."""
-    first, second = np.triu_indices(len(points), 1)
-    near = np.hypot(*(points[first] - points[second]).T) < reach
-    return points, np.column_stack([first[near], second[near]]).astype(np.int32)
+    pairs = cKDTree(points).query_pairs(reach, output_type="ndarray")
+    return points, pairs[np.lexsort(pairs.T[::-1])].astype(np.int32)
 
 
 def irregular(nodes, seed):

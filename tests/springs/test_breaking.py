@@ -49,7 +49,7 @@ def test_the_test_is_made_every_step():
     assert len(forces) > 5
 
 
-def test_pieces_of_a_run_are_the_run_to_the_bit(make_irregular):
+def test_single_steps_of_a_growing_run_are_the_run(make_irregular):
     points, springs = make_irregular(400, 12)
     limits = np.random.default_rng(13).uniform(0.1, 0.5, len(springs))
     whole = SpringNetwork(points, springs, damping=0.5, tether=0.01)
@@ -100,30 +100,46 @@ def test_remove_springs_by_mask_and_by_number():
 
 @pytest.mark.parametrize("function", [damped_steps, damped_steps_plain])
 def test_the_kernels_go_back_to_the_last_good_state(function):
-    springs = np.array([[0, 1], [1, 2]], np.int32)
-    points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
-    rows = build_adjacency(springs, 3)
-    state = points.copy(), np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]])
+    # Node 2 overstretches its spring in step 1, the step in which node 3 leaves the finite numbers.
+    rows = build_adjacency(np.array([[0, 1], [1, 2]], np.int32), 4)
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [9.0, 9.0]])
+    state = points.copy(), np.array([[0.0, 0.0], [0.0, 0.0], [2.0, 0.0], [0.0, 0.0]])
     halves = np.ones(4), np.ones(4), np.full(4, 0.15)
     broken = np.full(2, -1, np.int32)
-    push = np.array([[0.0, 0.0], [0.0, 1e300], [0.0, 0.0]])
-    with np.errstate(all="ignore"):
-        end = function(
-            *state, *rows, *halves, np.full(3, 1e5), np.ones(3), 0.0, points, push, 0.1, 1.0, 0.0, 10, broken
-        )
-    step, node = end
-    assert (step, node) == (3, 1)
-    assert np.isfinite(state[0]).all()
-    assert np.isfinite(state[1]).all()
+    push, load = np.array([0.1, 0.1, 0.1, 1e5]), np.zeros((4, 2))
+    load[3, 1] = 1.5e303
+    with np.errstate(over="ignore"):
+        end = function(*state, *rows, *halves, push, np.ones(4), 0.0, points, load, 0.1, 1.0, 0.0, 10, broken)
+    assert end == (1, 3)
+    assert broken.tolist() == [-1, -1]
+    np.testing.assert_allclose(state[0], [[0.0, 0.0], [1.0, 0.0], [2.2, 0.0], [9.0, 1.5e307]], rtol=1e-15)
+    np.testing.assert_allclose(state[1], [[0.0, 0.0], [0.0, 0.0], [2.0, 0.0], [0.0, 1.5e308]], rtol=1e-15)
 
 
 def test_a_node_that_leaves_the_finite_numbers_stops_the_run():
-    network = SpringNetwork([[0, 0], [1, 0], [2, 0]], [[0, 1], [1, 2]], masses=1e-3)
+    network = SpringNetwork([[0, 0], [1.5, 0], [2.5, 0]], [[0, 1], [1, 2]], 1.0, masses=1e-3)
     push = np.zeros((3, 2))
     push[2, 1] = 1.7e308
     good = network.copy()
-    with pytest.raises(ComputationError, match=r"^step 1 of 5: node 2 leaves the finite numbers from position \[2"):
-        network.advance(0.01, 5, forces=push)
+    with pytest.raises(
+        ComputationError, match=r"^step 1 of 5: node 2 leaves the finite numbers from position \[2\.5, 0"
+    ):
+        network.advance(0.01, 5, forces=push, break_above=0.4)
     assert np.array_equal(network.points, good.points)
     assert np.array_equal(network.springs, good.springs)
     network.advance(0.01, 5)
+    good.advance(0.01, 5)
+    assert np.array_equal(network.points, good.points)
+
+
+def test_a_copy_keeps_the_springs_that_break_in_the_other():
+    network = chain()
+    network.advance(0.1, 1)
+    twin, fresh = network.copy(), network.copy()
+    assert network.advance(0.1, 5, break_above=0.25).size == 2
+    twin.advance(0.1, 5)
+    fresh.stiffness = fresh.stiffness + 0.0
+    fresh.springs = fresh.springs[:, ::-1].copy()  # sorted anew
+    fresh.advance(0.1, 5)
+    np.testing.assert_allclose(twin.points, fresh.points, rtol=0.0, atol=1e-15)
+    assert len(twin.springs) == 3

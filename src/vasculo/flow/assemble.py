@@ -26,8 +26,8 @@ ROUND_OFF = 1e-9
 class System:
     """The linear system, and the fluxes behind it.
 
-    Unknowns of a cell are u, v and p h / viscosity, with h the root of the mean cell area; momentum rows are divided by the
-    viscosity and continuity rows by h, so entries are of order one whatever the units.
+    Unknowns of a cell are u, v and p h / viscosity, with h the root of the mean cell area; momentum rows are divided by
+    the viscosity and continuity rows by h, so entries are of order one whatever the units.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def assemble(mesh: Triangulation, faces: Faces, viscosity: float, force: NDArray
     tables = face_tables(mesh, faces, faces.opening * (scale / viscosity))
     flux, flux_constant = _fluxes(mesh, faces, tables, scale)
     part, closed = _parts(faces, cells)
-    _close(faces, part, closed, flux_constant)
+    _close(faces, part, closed, flux_constant, scale)
 
     inner = faces.inner
     rows = np.concatenate([faces.cells[:, 0], faces.cells[:inner, 1]])
@@ -151,7 +151,7 @@ def _fluxes(
 
 
 def _parts(faces: Faces, cells: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Connected parts of the fluid, and those without a prescribed pressure."""
+    """Find connected parts of the fluid, and those without a prescribed pressure."""
     pairs = faces.cells[: faces.inner]
     graph = sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(cells, cells))
     total, part = sparse.csgraph.connected_components(graph, directed=False)
@@ -161,7 +161,7 @@ def _parts(faces: Faces, cells: int) -> tuple[NDArray[np.int32], NDArray[np.int3
 
 
 def _close(
-    faces: Faces, part: NDArray[np.int32], closed: NDArray[np.int32], flux_constant: NDArray[np.float64]
+    faces: Faces, part: NDArray[np.int32], closed: NDArray[np.int32], flux_constant: NDArray[np.float64], scale: float
 ) -> None:
     """Make the prescribed mass fluxes of closed parts sum to zero, each by its share; changes `flux_constant`."""
     moving = np.flatnonzero(faces.kind == MOVING)
@@ -177,7 +177,7 @@ def _close(
         if abs(missing) > max(LEAK * passing, noise):
             into, out = -float(np.sum(flux[flux < 0.0])), float(np.sum(flux[flux > 0.0]))
             raise InputError(
-                f"prescribed velocities bring in {into:.6g} and take out {out:.6g} (in the same unit) and no side has a "
+                f"prescribed velocities bring in {into * scale:.6g} and take out {out * scale:.6g} and no side has a "
                 "pressure: balance them or give one side a Pressure"
             )
         flux_constant[chosen, 2] -= missing * np.abs(flux) / passing

@@ -54,7 +54,9 @@ class Velocity:
         try:
             values[..., 0], values[..., 1] = first, second
         except (TypeError, ValueError) as error:
-            raise InputError(f"velocity on {name!r}: components must be numbers or arrays of shape {x.shape}") from error
+            raise InputError(
+                f"velocity on {name!r}: components must be numbers or arrays of shape {x.shape}"
+            ) from error
         bad = int(np.count_nonzero(~np.isfinite(values).all(axis=-1)))
         if bad:
             raise InputError(f"velocity on {name!r}: {bad} of {x.size} values are not finite")
@@ -113,7 +115,8 @@ def conditions_by_name(mesh: Triangulation, conditions: Mapping[str, Condition])
             raise InputError(f"no side is named {name!r}: did you mean {near[0]!r}? (there are {', '.join(names)})")
         if not isinstance(condition, Condition):
             raise InputError(
-                f"condition on {name!r} is {condition!r}: give Wall(), Velocity(x, y), Pressure(value), Slip() or Periodic(other)"
+                f"condition on {name!r} is {condition!r}: give Wall(), Velocity(x, y), Pressure(value), Slip() or "
+                "Periodic(other)"
             )
         if isinstance(condition, Pressure) and not _is_finite(condition.value):
             raise InputError(f"pressure on {name!r} is {condition.value!r}: give a finite number")

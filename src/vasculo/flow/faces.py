@@ -53,7 +53,9 @@ class Faces:
     profile : (b, 3, 2) float64
         Prescribed velocity at the start, the middle and the end of each boundary face; zero where it is not MOVING.
     opening : (b,) float64
-        Prescribed pressure of each boundary face; zero where it is not OPEN.
+        Prescribed pressure of each boundary face above `level`; zero where it is not OPEN.
+    level : float
+        Middle of the prescribed pressures; the unknowns are counted from it, so a common pressure costs no digits.
     edge_face : (e,) int32
         Face of each boundary edge of the mesh.
     edge_sign : (e,) float64
@@ -79,6 +81,7 @@ class Faces:
     distance: NDArray[np.float64]
     profile: NDArray[np.float64]
     opening: NDArray[np.float64]
+    level: float
     edge_face: NDArray[np.int32]
     edge_sign: NDArray[np.float64]
     is_wall: NDArray[np.bool_]
@@ -96,7 +99,7 @@ class Faces:
 
 
 def build_faces(mesh: Triangulation, conditions: Mapping[str, Condition]) -> Faces:
-    """Number the faces and evaluate the conditions on them.
+    """Build the list of faces and evaluate the conditions on them.
 
     Raises
     ------
@@ -132,6 +135,9 @@ def build_faces(mesh: Triangulation, conditions: Mapping[str, Condition]) -> Fac
     both = mesh.areas[cells[:, 0]] + np.where(cells[:, 1] >= 0, mesh.areas[cells[:, 1]], 0.0)
 
     kind, profile, opening, is_wall = _values(mesh, named, ends, inner, free)
+    is_open = kind[inner:] == OPEN
+    level = 0.5 * float(opening[is_open].min() + opening[is_open].max()) if is_open.any() else 0.0
+    opening[is_open] -= level
     same = _representatives(len(mesh.points), glue)
     corner_start, corner_list = _by_vertex(same[tri].ravel(), len(same))
     rim_start, rim_list = _by_vertex(same[ends[inner:]].ravel(), len(same))
@@ -145,6 +151,7 @@ def build_faces(mesh: Triangulation, conditions: Mapping[str, Condition]) -> Fac
         distance=both * (2.0 / 3.0) / length,
         profile=profile,
         opening=opening,
+        level=level,
         edge_face=edge_face,
         edge_sign=edge_sign,
         is_wall=is_wall,

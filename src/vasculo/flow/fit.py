@@ -10,8 +10,8 @@ from numba import njit
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-# Polynomials in the face axes (xi along the face, zeta along its normal, both over the face length, origin at the middle):
-# exponents of xi and zeta of each term.
+# Polynomials in the face axes (xi along the face, zeta along its normal, both over the face length, origin at the
+# middle): exponents of xi and zeta of each term.
 QUADRATIC, AT_REST, OUTFLOW, LINEAR, SHEAR = range(5)
 TERMS = (
     ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)),  # QUADRATIC: velocity at an inner face
@@ -42,7 +42,7 @@ def term(family: int, k: int, xi: float, zeta: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def make_unit(work: NDArray[np.float64], rows: int, k: int) -> float:
-    """Scale column `k` (a row of `work`, overwritten) to length one over its first `rows`; returns its former length."""
+    """Scale column `k` (a row of `work`, overwritten) to length one over its first `rows`; return its old length."""
     total = 0.0
     for j in range(rows):
         total += work[k, j] ** 2
@@ -139,7 +139,7 @@ def fit_weights(
 def fit_weights_plain(
     family: int, at: NDArray[np.float64], weight: NDArray[np.float64], goals: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The same weights by ``np.linalg.lstsq``; the reference of `fit_weights`.
+    """Compute the same weights by ``np.linalg.lstsq``; the reference of `fit_weights`.
 
     Parameters
     ----------

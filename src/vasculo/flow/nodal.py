@@ -22,8 +22,8 @@ STEPS = 34  # the error falls threefold a step: 2 / 3**34 is round-off
 def project_to_nodes(mesh: Triangulation, faces: Faces, velocity: NDArray[np.float64]) -> NDArray[np.float64]:
     """Velocity at the nodes, second order in the edge length.
 
-    Continuous and linear in each triangle, with the prescribed values at walls and inlets and the least squared distance
-    to the cell values elsewhere; on mirror lines the component across is removed.
+    Continuous and linear in each triangle, with the prescribed values at walls and inlets and the least squared
+    distance to the cells' linear fields elsewhere; on mirror lines the component across is removed.
 
     Parameters
     ----------
@@ -37,8 +37,8 @@ def project_to_nodes(mesh: Triangulation, faces: Faces, velocity: NDArray[np.flo
     """
     # Strategy: M x = r with the mass matrix M of linear elements, and r from the field that is linear in each triangle
     # (the cell values alone would lose an order where the triangles around a node are uneven). Scaled by its diagonal,
-    # the eigenvalues of M lie in [1/2, 2] on every mesh of triangles (Wathen 1987), so a fixed number of Chebyshev steps
-    # solves it to round-off: no factor, no inner products, the same numbers on any machine.
+    # the eigenvalues of M lie in [1/2, 2] on every mesh of triangles (Wathen 1987), so a fixed number of Chebyshev
+    # steps solves it to round-off: no factor, no inner products.
     nodes = len(mesh.points)
     corner = faces.same[mesh.triangles]
     rows, columns = np.repeat(corner, 3, axis=1).ravel(), np.tile(corner, (1, 3)).ravel()
@@ -65,8 +65,8 @@ def project_to_nodes(mesh: Triangulation, faces: Faces, velocity: NDArray[np.flo
 
 def _cell_gradients(mesh: Triangulation, faces: Faces, velocity: NDArray[np.float64]) -> NDArray[np.float64]:
     """Velocity gradient of each cell from its neighbours and the prescribed values beside it; (t, component, 2)."""
-    # Strategy: least squares, each equation over its distance. A cell with one neighbour only gets the smallest gradient
-    # that explains it, through a ridge far below any other cell's normal matrix.
+    # Strategy: least squares, each equation over its distance. A cell with one neighbour only gets the smallest
+    # gradient that explains it, through a ridge far below any other cell's normal matrix.
     inner, cells = faces.inner, len(mesh.triangles)
     left, right = faces.cells[:inner].T
     start = faces.ends[:inner, 0]
@@ -83,7 +83,7 @@ def _cell_gradients(mesh: Triangulation, faces: Faces, velocity: NDArray[np.floa
     weight = 1.0 / np.einsum("ki,ki->k", step, step)
 
     def total(entries: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.bincount(owner, weights=weight * entries, minlength=cells)
+        return np.asarray(np.bincount(owner, weights=weight * entries, minlength=cells), dtype=np.float64)
 
     x, y = step.T
     xx, xy, yy = total(x * x) + RIDGE, total(x * y), total(y * y) + RIDGE

@@ -54,9 +54,10 @@ class BlockFactor:
     """
 
     def __init__(self, matrix: sparse.bsr_array) -> None:
-        self._mkl = library()
-        if self._mkl is None:
+        mkl = library()
+        if mkl is None:
             raise ComputationError("the library of the mkl package is not there: install vasculo[fast]")
+        self._mkl = mkl
         self._rows = matrix.shape[0] // 3
         self._data = np.ascontiguousarray(matrix.data, dtype=np.float32)
         self._start = np.ascontiguousarray(matrix.indptr, dtype=np.int32)
@@ -70,8 +71,8 @@ class BlockFactor:
             self._settings[number - 1] = setting
 
     def __enter__(self) -> Self:
+        nothing = np.zeros(1, dtype=np.float32)
         try:
-            nothing = np.zeros(1, dtype=np.float32)
             self._call(ANALYSE_AND_FACTOR, nothing, nothing)
         except ComputationError:
             self._call(RELEASE, nothing, nothing)

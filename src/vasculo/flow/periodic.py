@@ -61,7 +61,7 @@ def matched_edges(
 
 
 def gradient_of_drops(pairs: Sequence[tuple[str, str, float]], shifts: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Mean pressure drop per length, float64 (2,): the smallest vector G with G . shift = pressure drop for every pair."""
+    """Mean pressure drop per length, float64 (2,): the smallest G with G . shift = pressure drop for every pair."""
     if not pairs:
         return np.zeros(2)
     drops = np.array([drop for _, _, drop in pairs])
@@ -83,7 +83,7 @@ def _matched_vertices(
     a, b = mesh.points[nodes], mesh.points[others]
     shift = b.mean(axis=0) - a.mean(axis=0)
     lengths = np.linalg.norm(np.diff(mesh.points[mesh.boundary_edges[here]], axis=1)[:, 0], axis=1)
-    away, place = cKDTree(b).query(a + shift)
+    away, place = (np.asarray(found) for found in cKDTree(b).query(a + shift))
     wrong = int(np.count_nonzero(away > MATCH * lengths.min())) + len(nodes) - len(np.unique(place))
     if wrong:
         raise InputError(

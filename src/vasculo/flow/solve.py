@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from math import isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ GOOD = 1e-12  # with this one a refinement that stands still may end too
 LIMIT = 1e-9  # worse than this is no solution
 CYCLES = 8
 STEPS = 10  # Krylov vectors a cycle
+STEP_GOAL = 1e-12  # a cycle cannot know its residual any better
 
 
 class Solution(NamedTuple):
@@ -60,6 +62,10 @@ def solve(matrix: sparse.bsr_array, right: NDArray[np.float64]) -> Solution:
         The residual stays above 1e-9 or is not finite.
     """
     size = norm(right)
+    if not isfinite(size):
+        raise ComputationError(
+            f"{np.count_nonzero(~np.isfinite(right))} of the {len(right)} right-hand sides of the flow are not finite"
+        )
     if size == 0.0:
         return Solution(np.zeros_like(right), 0.0, "none", 0)
     unknowns = np.zeros_like(right)
@@ -81,7 +87,8 @@ def solve(matrix: sparse.bsr_array, right: NDArray[np.float64]) -> Solution:
     if not residual <= LIMIT:
         raise ComputationError(
             f"the flow system of {len(right)} unknowns was solved to a residual of {residual:.2e} only, {LIMIT:.0e} is "
-            f"needed ({solver}, {iterations} iterations): look for degenerate triangles"
+            f"needed ({solver}, {iterations} iterations): look for degenerate triangles, or a flow that no wall holds "
+            "back"
         )
     return Solution(unknowns, float(residual), solver, iterations)
 
@@ -116,7 +123,7 @@ def _krylov(
     size = norm(right)
     directions, images = [right / size], []
     upper = np.zeros((STEPS + 1, STEPS))
-    weights = np.zeros(0)
+    weights: NDArray[np.float64] = np.zeros(0)
     for k in range(STEPS):
         images.append(apply(directions[k]))
         new = matrix @ images[k]
@@ -124,12 +131,15 @@ def _krylov(
             upper[i, k] = np.sum(new * directions[i])
             new -= upper[i, k] * directions[i]
         upper[k + 1, k] = norm(new)
+        if not isfinite(upper[k + 1, k]):
+            images.pop()
+            break
         first = np.zeros(k + 2)
         first[0] = size
         small = upper[: k + 2, : k + 1]
-        weights = np.linalg.lstsq(small, first, rcond=None)[0]
+        weights = np.asarray(np.linalg.lstsq(small, first, rcond=None)[0], dtype=np.float64)
         left = norm(first - small @ weights) / size
-        if not (np.isfinite(left) and left > max(goal, 1e-12) and upper[k + 1, k] > 0.0):
+        if not (left > max(goal, STEP_GOAL) and upper[k + 1, k] > 0.0):
             break
         directions.append(new / upper[k + 1, k])
     return sum((w * image for w, image in zip(weights, images, strict=True)), np.zeros_like(right)), len(images)

@@ -49,8 +49,8 @@ def grow(
     Above: what touches a vertex of any cell found so far. Positions are in face axes: xi along the tangent, zeta along
     the normal, from the middle, over the face length; (ex, ey) is the tangent over the length.
 
-    Overwrites `cell_stamp`, `rim_stamp`, `cells`, `cell_at` (centroids), `near`, `near_at` (both ends of boundary faces)
-    and `count` (cells, boundary faces), which is zero before level 0.
+    Overwrites `cell_stamp`, `rim_stamp`, `cells`, `cell_at` (centroids), `near`, `near_at` (both ends of boundary
+    faces) and `count` (cells, boundary faces), which is zero before level 0.
     """
     # Strategy: a cell found at a vertex is placed as that cell sees the vertex, so glued vertices carry the
     # neighbourhood across a periodic side and no shift is ever needed.

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 ALPHA = 1.5  # of the difference between the two cells that the fit cannot see
 WORST = 1e3  # condition above which the neighbourhood grows, and then the polynomial shrinks
+ROOM = 12  # cells a face that room is made for at first
 MAX_ROWS = MAX_CELLS + 3 * MAX_RIM + 2  # two for the functionals
 
 # Columns of `Tables.weight`.
@@ -70,8 +71,8 @@ def set_goals(
 ) -> None:
     """Set what is wanted from a fit, as factors of the polynomial's coefficients; overwrites `goals`.
 
-    Row 0: normal derivative, or (pressure) minus the difference between the face's two cells, of a boundary face between
-    its cell and its middle. Row 1: mean over the face.
+    Row 0: normal derivative, or (pressure) minus the difference between the face's two cells, of a boundary face
+    between its cell and its middle. Row 1: mean over the face.
     """
     for k in range(6):
         goals[0, k] = goals[1, k] = 0.0
@@ -178,8 +179,8 @@ def fill_tables(
 ) -> int:
     """Fill the tables from face `first` on; returns the face before which the room ran out, or the number of faces.
 
-    Names as in `Faces`, `Tables`, `grow` and `collect`; everything from `cell_stamp` on is overwritten. `out_weight` and
-    `constant` come in as zeros, `cell_stamp` and `rim_stamp` as -1.
+    Names as in `Faces`, `Tables`, `grow` and `collect`; everything from `cell_stamp` on is overwritten. `out_weight`
+    and `constant` come in as zeros, `cell_stamp` and `rim_stamp` as -1.
     """
     # Strategy: three fits a face: the velocity, on openings also the velocity through them, the pressure. For the first
     # the neighbourhood grows until there are data enough and the fit is sound; if it never is, the polynomial shrinks.
@@ -209,12 +210,16 @@ def fill_tables(
                 if fit != VELOCITY_FIT and attempt > 0:
                     break
                 if fit == VELOCITY_FIT and attempt <= TOP_LEVEL:
-                    grow(attempt, f, ex, ey, points, triangles, centroids, ends, own_cells, rim_ends, same, corner_start,
-                         corners, rim_start, rim, cell_stamp, rim_stamp, cells, cell_at, near, near_at, count)  # fmt: skip
+                    grow(
+                        attempt, f, ex, ey, points, triangles, centroids, ends, own_cells, rim_ends, same, corner_start,
+                        corners, rim_start, rim, cell_stamp, rim_stamp, cells, cell_at, near, near_at, count,
+                    )  # fmt: skip
                 if attempt > TOP_LEVEL:
                     family = LINEAR if kind == INNER else SHEAR
-                rows = collect(fit == PRESSURE_FIT, fit == VELOCITY_FIT and kind != INNER, own, edge, count[0], cell_at,
-                               count[1], near, near_at, rim_kind, profile, opening, source, at, weight, value)  # fmt: skip
+                rows = collect(
+                    fit == PRESSURE_FIT, fit == VELOCITY_FIT and kind != INNER, own, edge, count[0], cell_at, count[1],
+                    near, near_at, rim_kind, profile, opening, source, at, weight, value,
+                )  # fmt: skip
                 enough = 8 if kind == INNER and fit == VELOCITY_FIT else 5 if fit == OUTFLOW_FIT else 4
                 few = rows < enough or (fit == VELOCITY_FIT and count[0] < 5)
                 if few and (fit != VELOCITY_FIT or attempt < TOP_LEVEL):
@@ -245,8 +250,10 @@ def fill_tables(
                         a, b, c = profile[edge, 0, axis], profile[edge, 1, axis], profile[edge, 2, axis]
                         given = b + (c - a) * at[r, 0] + 2.0 * (a + c - 2.0 * b) * at[r, 0] ** 2
                         constant[f, axis] -= work[6, r] * given
-            direct_part(fit, kind, fitted, length, cell_at, out_weight[place:], constant[f], profile[max(edge, 0)],
-                        opening[max(edge, 0)])  # fmt: skip
+            here = max(edge, 0)
+            direct_part(
+                fit, kind, fitted, length, cell_at, out_weight[place:], constant[f], profile[here], opening[here]
+            )
         for k in range(count[0]):
             out_cell[place + k] = cells[k]
         start[f + 1] = place + count[0]
@@ -264,7 +271,7 @@ def face_tables(mesh: Triangulation, faces: Faces, opening: NDArray[np.float64])
         Prescribed pressures in the unit of the unknowns.
     """
     total, inner = len(faces.ends), faces.inner
-    room = 12 * total + 2 * MAX_CELLS
+    room = ROOM * total + 2 * MAX_CELLS
     start = np.zeros(total + 1, dtype=np.int64)
     cell, weight = np.empty(room, dtype=np.int32), np.zeros((room, 4))
     constant, counts = np.zeros((total, 6)), np.zeros(len(COUNTS), dtype=np.int64)
@@ -273,8 +280,9 @@ def face_tables(mesh: Triangulation, faces: Faces, opening: NDArray[np.float64])
         faces.kind[inner:], faces.profile, opening, faces.same, faces.corner_start, faces.corners, faces.rim_start,
         faces.rim, np.full(len(mesh.triangles), -1, dtype=np.int32), np.full(total - inner, -1, dtype=np.int32),
         np.empty(MAX_CELLS, dtype=np.int32), np.empty((MAX_CELLS, 2)), np.empty(MAX_RIM, dtype=np.int32),
-        np.empty((MAX_RIM, 4)), np.zeros(2, dtype=np.int64), np.empty(MAX_ROWS, dtype=np.int32), np.empty((MAX_ROWS, 2)),
-        np.empty(MAX_ROWS), np.empty((MAX_ROWS, 2)), np.empty((8, MAX_ROWS)), np.empty((2, 6)), start,
+        np.empty((MAX_RIM, 4)), np.zeros(2, dtype=np.int64), np.empty(MAX_ROWS, dtype=np.int32),
+        np.empty((MAX_ROWS, 2)), np.empty(MAX_ROWS), np.empty((MAX_ROWS, 2)), np.empty((8, MAX_ROWS)), np.empty((2, 6)),
+        start,
     )  # fmt: skip
     done = 0
     while True:

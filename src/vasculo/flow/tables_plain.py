@@ -46,7 +46,9 @@ def face_row_plain(
     kind = faces.kind[face]
     for level in range(4):
         cells, cell_at, near, near_at = stencil_plain(mesh, faces, face, level)
-        seen, wall, wall_at, share = velocity_data_plain(faces, face, cells, cell_at, near, near_at, bounded=kind != INNER)
+        seen, wall, wall_at, share = velocity_data_plain(
+            faces, face, cells, cell_at, near, near_at, bounded=kind != INNER
+        )
         if len(seen) + len(wall) >= (8 if kind == INNER else 4) and len(cells) >= 5:
             break
     place = {cell: k for k, cell in enumerate(cells)}
@@ -112,9 +114,7 @@ def velocity_data_plain(
     faces: Faces, face: int, cells: list[int], cell_at: Array, near: list[int], near_at: Array, *, bounded: bool
 ) -> tuple[list[int], Array, Array, Array]:
     """Places of the cells that a face sees, and the prescribed velocities it sees with their positions and weights."""
-    walls = [
-        k for k, g in enumerate(near) if faces.kind[faces.inner + g] == MOVING and faces.inner + g != face
-    ]
+    walls = [k for k, g in enumerate(near) if faces.kind[faces.inner + g] == MOVING and faces.inner + g != face]
     middle = near_at.mean(axis=1)
     along = near_at[:, 1] - near_at[:, 0]
     size = np.linalg.norm(along, axis=1, keepdims=True)

@@ -37,8 +37,8 @@ def wall_traction(faces: Faces, system: System, unknowns: NDArray[np.float64], v
     """Traction on the wall edges, in their order in the mesh.
 
     With the outward normal n and the wall's own velocity gradient G along the edge, the viscous stress is
-    ``(tau + eta G.n) t - 2 eta (G.t) n``: the normal part comes from continuity, not from the fit. On walls at rest this is
-    the shear alone. Summed over closed walls it balances the momentum of all cells to round-off.
+    ``(tau + eta G.n) t - 2 eta (G.t) n``: the normal part comes from continuity, not from the fit. At rest this
+    is the shear alone. Summed over closed walls it balances the momentum of all cells to round-off.
 
     Parameters
     ----------

@@ -43,6 +43,8 @@ class Passages:
         Distance between the two.
     share : (s,) float64, model length
         Length of wall that the point stands for.
+    segment : (s,) int64
+        Wall segment of the point.
     body, other : (s,) int32
         Outlines on both sides, numbered as in `Walls`.
     """
@@ -52,6 +54,7 @@ class Passages:
     pieces: NDArray[np.float64]
     gap: NDArray[np.float64]
     share: NDArray[np.float64]
+    segment: NDArray[np.int64]
     body: NDArray[np.int32]
     other: NDArray[np.int32]
 
@@ -102,6 +105,7 @@ def passages_of(walls: Walls, widest: float) -> Passages:
         pieces=np.hstack((start + low[:, None] * step, start + high[:, None] * step)),
         gap=gap[near],
         share=share[near],
+        segment=segment,
         body=walls.body[segment],
         other=bodies[hit],
     )

@@ -35,12 +35,15 @@ def predicted_triangles(walls: Walls, field: SizeField, area: float) -> tuple[fl
     passage : (int, int, float)
         The two outlines of that passage (numbered as in `Walls`) and its smallest width; (-1, -1, inf) if none.
     """
-    # Strategy: the open fluid at the largest size; a strip along each wall, in which the size grows from the
-    # wall's; and half of each passage's width in front of each wall sample, if that is less than its strip.
-    total = area / field.largest**2 + float((_strip(field, field.wall_sizes) * walls.lengths).sum())
-    passages, sizes = field.passages, field.passage_sizes
-    if not len(sizes):
+    # Strategy: the open fluid at the largest size; a strip along each wall, in which the size grows from the wall's; but
+    # in front of each passage sample, half of the passage's width, if that is less than such a strip.
+    passages = field.passages
+    covered = np.bincount(passages.segment, weights=passages.share, minlength=len(walls.lengths))
+    open_wall = np.maximum(walls.lengths - covered, 0.0)
+    total = area / field.largest**2 + float((_strip(field, field.wall_sizes) * open_wall).sum())
+    if not len(passages.gap):
         return total / TRIANGLE, 0.0, (-1, -1, np.inf)
+    sizes = np.minimum(field.passage_sizes, field.wall_sizes[passages.segment])
     each = passages.share * np.minimum(0.5 * passages.gap / sizes**2, _strip(field, sizes))
     total += float(each.sum())
     bodies = int(walls.body.max()) + 1

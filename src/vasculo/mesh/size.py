@@ -109,8 +109,8 @@ def with_wall_edges(field: SizeField, points: NDArray[np.float64], edges: NDArra
     SizeField
         The passages as before; each wall edge asks for its own length.
     """
-    # Strategy: whole numbers of edges fit on an outline segment, so edges come out shorter than asked for; nodes in front
-    # of them that kept the longer size would make flat triangles.
+    # Strategy: whole numbers of edges fit on an outline segment, so edges come out shorter than asked for; nodes in
+    # front of them that kept the longer size would make flat triangles.
     ends = np.hstack((points[edges[:, 0]], points[edges[:, 1]]))
     lengths = np.minimum(np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1]), field.largest)
     half_way = np.tile(0.5 * (field.passages.across - field.passages.points), 2)

@@ -94,17 +94,17 @@ def not_negative(name: str, values: Floats, of: str, *, zero: bool = True) -> Fl
 
 
 def as_limits(values: ArrayLike | None, springs: int) -> Floats:
-    """Spread a breaking force to all springs (m,): a number, an array, or nothing for never; at least 0, not NaN."""
-    if values is None:
-        return np.full(springs, np.inf)
+    """Check breaking forces: an array (m,), or a number for all (infinite for never); at least 0, not NaN."""
     try:
-        limits = np.array(np.broadcast_to(np.asarray(values, dtype=np.float64), (springs,)))
+        limits = np.asarray(np.inf if values is None else values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(f"break_above has shape {np.shape(values)}, expected a number or ({springs},)") from error
+        raise InputError(f"break_above is not a number or numbers: {error}") from error
+    if limits.shape not in {(), (springs,)}:
+        raise InputError(f"break_above has shape {limits.shape}, expected a number or ({springs},)")
     bad = ~(limits >= 0.0)
     if bad.any():
         at = int(np.argmax(bad))
-        raise InputError(f"break_above of spring {at} is {limits[at]:.6g}, expected a force >= 0")
+        raise InputError(f"break_above of spring {at} is {limits.flat[at]:.6g}, expected a force >= 0")
     return limits
 
 
@@ -114,6 +114,11 @@ def as_number(name: str, value: object, *, zero: bool = True) -> float:
     if isinstance(value, bool) or not np.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
         raise InputError(f"{name} is {value!r}, expected a finite number {'>= 0' if zero else '> 0'}")
     return number
+
+
+def unchanged(now: object, then: NDArray[np.generic] | None) -> bool:
+    """Whether a value is still the array that was checked: same type, same numbers."""
+    return then is not None and isinstance(now, np.ndarray) and now.dtype == then.dtype and np.array_equal(now, then)
 
 
 def as_mask(name: str, values: ArrayLike | None, nodes: int) -> NDArray[np.bool_]:

@@ -16,6 +16,7 @@ from vasculo.springs.checks import (
     as_points,
     as_springs,
     not_negative,
+    unchanged,
 )
 from vasculo.springs.forces import Adjacency, build_adjacency, hooke_forces
 from vasculo.springs.motion import damped_steps
@@ -77,6 +78,7 @@ class SpringNetwork:
 
     __slots__ = (
         "_checked",
+        "_halves",
         "_rows",
         "_sums",
         "damping",
@@ -118,7 +120,7 @@ class SpringNetwork:
         self.tether = tether
         self.reference = self.points.copy()
         self.triangles = None if triangles is None else as_indices("triangle", triangles, 3, len(self.points))
-        self._checked: tuple[NDArray[np.generic], ...] = ()
+        self._checked: tuple[NDArray[np.generic] | None, ...] = (None,) * 5
         self._check()
 
     def _check(self) -> None:
@@ -132,9 +134,7 @@ class SpringNetwork:
         self.damping = as_number("damping", self.damping)
         self.tether = as_number("tether", self.tether)
         arrays = (self.springs, self.stiffness, self.rest_lengths, self.masses, self.pinned)
-        same = [
-            bool(self._checked) and np.array_equal(*pair) for pair in zip(arrays, self._checked or arrays, strict=True)
-        ]
+        same = [unchanged(now, then) for now, then in zip(arrays, self._checked, strict=True)]
         if all(same):
             return
         if not same[0]:
@@ -148,10 +148,11 @@ class SpringNetwork:
         self._note(sort=not (same[0] and same[1]))
 
     def _note(self, *, sort: bool) -> None:
-        """Remember what was checked; sort the half-springs by node where springs or stiffness are new."""
+        """Remember what was checked and spread it to half-springs; sort these where springs or stiffness are new."""
         if sort:
             self._rows = build_adjacency(self.springs, len(self.points))
             self._sums = node_stiffness(self.springs, self.stiffness, len(self.points))
+        self._halves = self.stiffness[self._rows.spring], self.rest_lengths[self._rows.spring]
         arrays = (self.springs, self.stiffness, self.rest_lengths, self.masses, self.pinned)
         self._checked = tuple(array.copy() for array in arrays)
 
@@ -161,12 +162,14 @@ class SpringNetwork:
         for name in self.__slots__:
             value = getattr(self, name)
             setattr(twin, name, value.copy() if isinstance(value, np.ndarray) else value)
+        stiffness, rest = self._halves
+        twin._halves = stiffness.copy(), rest.copy()  # noqa: SLF001  steps in which springs break overwrite them
         return twin
 
     def lengths(self) -> Floats:
         """Present spring lengths (m,), model length."""
         arms = self.points[self.springs[:, 1]] - self.points[self.springs[:, 0]]
-        return np.hypot(arms[:, 0], arms[:, 1])
+        return np.sqrt(arms[:, 0] * arms[:, 0] + arms[:, 1] * arms[:, 1])  # rounded as in the kernels
 
     def tensions(self) -> Floats:
         """Spring forces (m,), stiffness (length - rest length); positive when stretched."""
@@ -177,8 +180,7 @@ class SpringNetwork:
         self._check()
         rows = self._rows
         out = np.empty_like(self.points)
-        halves = self.stiffness[rows.spring], self.rest_lengths[rows.spring]
-        hooke_forces(self.points, rows.start, rows.neighbour, *halves, out)
+        hooke_forces(self.points, rows.start, rows.neighbour, *self._halves, out)
         return np.asarray(out - self.tether * (self.points - self.reference))
 
     def kinetic_energy(self) -> float:
@@ -272,9 +274,8 @@ class SpringNetwork:
             self.points,
             self.velocities,
             *rows,
-            self.stiffness[rows.spring],
-            self.rest_lengths[rows.spring],
-            limit[rows.spring],
+            *self._halves,
+            limit[rows.spring] if limit.ndim else np.full(rows.spring.size, limit),
             step / self.masses,
             np.where(self.pinned, 0.0, 1.0 / (1.0 + self.damping * step / self.masses)),
             self.tether,
@@ -290,6 +291,7 @@ class SpringNetwork:
         if broken.size:
             self.remove_springs(broken)
         if bad >= 0:
+            self._note(sort=True)
             raise ComputationError(
                 f"step {done + 1} of {steps}: node {bad} leaves the finite numbers from position "
                 f"{self.points[bad].tolist()} at velocity {self.velocities[bad].tolist()} (dt {step:.6g}, external "

@@ -89,9 +89,11 @@ class Process:
             voids = self._wait()
         least = max(1, len(self.network.points) // NODES_A_VOID)
         if voids < least:
+            broken = self.springs_at_start - len(self.network.springs)
             raise ComputationError(
-                f"rupture left {voids} voids in a tissue of {len(self.network.points)} nodes, fewer than {least}: it "
-                "has cracked; raise growth_rate or damping, or lower stop_void_fraction"
+                f"rupture left {voids} voids in a tissue of {len(self.network.points)} nodes, fewer than {least}, with "
+                f"{broken} springs broken: raise growth_rate or damping if it cracked, lower growth_limit or threshold "
+                "if it held"
             )
 
     def _wait(self) -> int:

@@ -1,0 +1,113 @@
+"""Speed with linear interpolation from node to node, and the mesh it was computed on, as in the paper's Fig 3."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vasculo.draw.canvas import ACCENT, PILLAR, SPEED, panel
+from vasculo.draw.pillars import draw_pillars
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from vasculo.draw.canvas import Box
+    from vasculo.mesh.triangulation import Triangulation
+    from vasculo.store.read import FlowFields
+
+CLIP = 99.5  # percentile of the node speeds that is drawn brightest
+_GAMMA = 0.6  # lifts slow passages out of the dark; a single pillar in a wide channel needs none
+
+
+def node_speed(flow: FlowFields) -> NDArray[np.float64]:
+    """Speed at the mesh nodes; (n,) float64, model length per time."""
+    velocity = flow.node_velocity()
+    return np.hypot(velocity[:, 0], velocity[:, 1])
+
+
+def speed_scale(flow: FlowFields) -> float:
+    """Speed that is drawn brightest."""
+    return float(np.percentile(node_speed(flow), CLIP))
+
+
+def fastest_point(flow: FlowFields) -> tuple[float, float]:
+    """Centroid of the triangle with the highest speed."""
+    speed = np.hypot(flow.velocity[:, 0], flow.velocity[:, 1])
+    x, y = flow.mesh.centroids[int(np.argmax(speed))]
+    return float(x), float(y)
+
+
+def mesh_box(mesh: Triangulation) -> Box:
+    """Bounding box xmin, ymin, xmax, ymax."""
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def draw_speed(
+    axes: Any,  # noqa: ANN401
+    flow: FlowFields,
+    outlines: Sequence[NDArray[np.float64]],
+    box: Box,
+    title: str = "",
+    scale: float | None = None,
+) -> Any:  # noqa: ANN401
+    """Draw the speed and the pillars; return the coloured mesh, for a colour bar.
+
+    Parameters
+    ----------
+    axes : matplotlib Axes
+        Where.
+    flow : FlowFields
+        The flow at one step.
+    outlines : sequence of (k, 2) float64
+        Pillars.
+    box : tuple of float
+        Region xmin, ymin, xmax, ymax; model length.
+    title : str
+        Caption.
+    scale : float, optional
+        Speed drawn brightest; by default the 99.5th percentile of the node speeds.
+    """
+    from matplotlib.colors import PowerNorm  # noqa: PLC0415  # heavy, and only here
+
+    top = speed_scale(flow) if scale is None else scale
+    colours = axes.tripcolor(
+        flow.mesh.points[:, 0],
+        flow.mesh.points[:, 1],
+        node_speed(flow),
+        triangles=flow.mesh.triangles,
+        shading="gouraud",
+        cmap=SPEED,
+        norm=PowerNorm(_GAMMA if len(outlines) > 1 else 1.0, 0.0, top if top > 0.0 else 1.0, clip=True),
+        rasterized=True,
+    )
+    draw_pillars(axes, outlines)
+    panel(axes, box, title)
+    return colours
+
+
+def draw_mesh(
+    axes: Any,  # noqa: ANN401
+    mesh: Triangulation,
+    outlines: Sequence[NDArray[np.float64]],
+    box: Box,
+    title: str = "",
+) -> None:
+    """Draw the triangles inside `box` and the pillars between them."""
+    centres = mesh.centroids
+    margin = 2.0 * float(np.sqrt(mesh.areas.max()))
+    seen = (
+        (centres[:, 0] > box[0] - margin)
+        & (centres[:, 0] < box[2] + margin)
+        & (centres[:, 1] > box[1] - margin)
+        & (centres[:, 1] < box[3] + margin)
+    )
+    width = 0.35 if np.count_nonzero(seen) < 6000 else 0.15
+    draw_pillars(axes, outlines, face=PILLAR)
+    axes.triplot(
+        mesh.points[:, 0], mesh.points[:, 1], mesh.triangles[seen], color=ACCENT, linewidth=width, rasterized=True
+    )
+    panel(axes, box, title)

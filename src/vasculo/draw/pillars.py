@@ -1,0 +1,76 @@
+"""Pillars as filled outlines, and the wall shear along them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vasculo.draw.canvas import INK, PILLAR, PILLAR_EDGE, SHEAR, panel
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from vasculo.draw.canvas import Box
+    from vasculo.store.read import FlowFields
+
+
+def draw_pillars(axes: Any, outlines: Sequence[NDArray[np.float64]], *, face: str = PILLAR) -> None:  # noqa: ANN401
+    """Fill the outlines, (k, 2) each, in the tone of tissue."""
+    from matplotlib.collections import PolyCollection  # noqa: PLC0415  # heavy, and only here
+
+    axes.add_collection(PolyCollection(outlines, facecolors=face, edgecolors=PILLAR_EDGE, linewidths=0.5, zorder=3))
+
+
+def draw_pillars_over(
+    axes: Any,  # noqa: ANN401
+    outlines: Sequence[NDArray[np.float64]],
+    earlier: Sequence[NDArray[np.float64]],
+    box: Box,
+    title: str = "",
+) -> None:
+    """Draw pillars with the outlines of an earlier step as thin lines over them."""
+    from matplotlib.collections import PolyCollection  # noqa: PLC0415
+
+    draw_pillars(axes, outlines)
+    axes.add_collection(PolyCollection(earlier, facecolors="none", edgecolors=INK, linewidths=0.5, zorder=4))
+    panel(axes, box, title)
+
+
+def shear_scale(flow: FlowFields) -> float:
+    """Largest shear of the colour scale: twice the mean magnitude on the pillars (length-weighted)."""
+    edges = flow.mesh.points[flow.wall_edges]
+    lengths = np.hypot(*(edges[:, 1] - edges[:, 0]).T) * (flow.wall_pillar >= 0)
+    total = float(lengths.sum())
+    return 2.0 * float(np.abs(flow.wall_shear) @ lengths) / total if total > 0.0 else 0.0
+
+
+def draw_shear(
+    axes: Any,  # noqa: ANN401
+    flow: FlowFields,
+    outlines: Sequence[NDArray[np.float64]],
+    box: Box,
+    title: str = "",
+    scale: float | None = None,
+) -> Any:  # noqa: ANN401
+    """Draw the magnitude of the wall shear along the pillars; return the coloured lines, for a colour bar."""
+    from matplotlib.collections import LineCollection, PolyCollection  # noqa: PLC0415
+
+    axes.add_collection(PolyCollection(outlines, facecolors="#f3ece6", edgecolors="none", zorder=1))
+    on_pillars = flow.wall_pillar >= 0
+    lines = LineCollection(
+        list(flow.mesh.points[flow.wall_edges[on_pillars]]),
+        cmap=SHEAR,
+        linewidths=1.8,
+        capstyle="round",
+        zorder=2,
+        rasterized=True,
+    )
+    lines.set_array(np.abs(flow.wall_shear[on_pillars]))
+    top = shear_scale(flow) if scale is None else scale
+    lines.set_clim(0.0, top if top > 0.0 else 1.0)
+    axes.add_collection(lines)
+    panel(axes, box, title)
+    return lines

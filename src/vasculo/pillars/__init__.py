@@ -1,0 +1,1 @@
+"""Angiogenesis: pillars sense wall shear, contract, stretch, align and merge."""

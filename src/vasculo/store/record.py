@@ -1,0 +1,307 @@
+"""The record of a run: one VTKHDF file that grows by a frame a recorded step.
+
+The group `VTKHDF` is what ParaView and pyvista show: springs as lines, the flow mesh as triangles, its boundary as
+lines. The group `run` holds what they have no place for: the study, the domain, pillar outlines, lineage, the table.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import shutil
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+
+from vasculo.errors import InputError
+from vasculo.store.guarded import GuardedFile, uninterrupted
+from vasculo.store.ragged import Ragged
+from vasculo.store.table import COLUMNS, STAGES, Row
+from vasculo.store.vtkhdf import GridFrame, TransientGrid, extend
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from vasculo.geometry.domain import Domain
+    from vasculo.pillars.state import Merge, RemodelStep
+
+FORMAT = 1
+SPRING, FLUID, BOUNDARY = 0, 1, 2
+"""Values of the cell array `kind`."""
+
+_ROOM = 4 * 2**20  # bytes that must stay free on the disk beyond what a frame needs
+
+
+class Record:
+    """A growing record; use `create` or `reopen`, and close it.
+
+    Parameters
+    ----------
+    file : h5py.File
+        Open for writing, laid out.
+    guard : GuardedFile
+        What lies under it.
+    """
+
+    def __init__(self, file: h5py.File, guard: GuardedFile) -> None:
+        self.path = guard.path
+        self._guard = guard
+        self._file = file
+        self._run = file["run"]
+        self._grid = TransientGrid(file["VTKHDF"])
+        self._pillars = Ragged(self._run["pillars"])
+
+    @classmethod
+    def create(cls, path: Path, settings: str, version: str) -> Record:
+        """Start a new record.
+
+        Parameters
+        ----------
+        path : Path
+            File to write; there must be none yet.
+        settings : str
+            The resolved study, as TOML.
+        version : str
+            Version of the program.
+        """
+        guard = GuardedFile(path, "x")
+        file = h5py.File(guard, "w")
+        file.create_group("VTKHDF")
+        run = file.create_group("run")
+        run.attrs.update({"format": FORMAT, "complete": 0, "version": version})
+        run.create_dataset("settings", data=settings)
+        for name in ("pillars", "metrics"):
+            run.create_group(name)
+        record = cls(file, guard)
+        record._flush()
+        return record
+
+    @classmethod
+    def reopen(cls, path: Path, frames: int) -> Record:
+        """Open a record to go on behind its first `frames` frames; what lies behind them is dropped.
+
+        Raises
+        ------
+        InputError
+            When the file is damaged or holds fewer frames.
+        """
+        guard = GuardedFile(path, "r+")
+        try:
+            record = cls(h5py.File(guard, "r+"), guard)
+        except (OSError, KeyError) as error:
+            guard.close()
+            raise InputError(f"{path} cannot be continued ({first_line(error)}): start the run anew") from None
+        if len(record) < frames:
+            found = len(record)
+            record.close()
+            raise InputError(f"{path} holds {found} frames, the checkpoint expects {frames}: start the run anew")
+        record._truncate(frames)
+        return record
+
+    @classmethod
+    def amend(cls, path: Path) -> Record:
+        """Open a complete record to change its facts."""
+        guard = GuardedFile(path, "r+")
+        return cls(h5py.File(guard, "r+"), guard)
+
+    def __len__(self) -> int:
+        return len(self._grid)
+
+    def add_springs(
+        self,
+        row: Row,
+        points: NDArray[np.float64],
+        velocities: NDArray[np.float64],
+        springs: NDArray[np.int32],
+        forces: NDArray[np.float64],
+    ) -> None:
+        """Append a frame of the tissue.
+
+        Parameters
+        ----------
+        row : dict of str to float
+            Numbers of this step, by column of the table.
+        points, velocities : (n, 2) float64
+            Nodes; model length, model length per time.
+        springs : (m, 2) int32
+            Living springs.
+        forces : (m,) float64
+            Their forces, positive when stretched.
+        """
+        frame = _frame(
+            points=points,
+            lines=springs,
+            triangles=np.empty((0, 3), dtype=np.int64),
+            node_velocity=velocities,
+            cells={"kind": np.full(len(springs), SPRING, dtype=np.uint8), "force": forces},
+        )
+        self._add("vasculogenesis", row, frame)
+
+    def add_flow(self, row: Row, step: RemodelStep, merges: Sequence[Merge]) -> None:
+        """Append a frame of the flow around the pillars, with the mergers since the frame before."""
+        mesh, flow = step.mesh, step.flow
+        edges, faces = mesh.boundary_edges, len(mesh.triangles)
+        shear = np.full(len(edges), np.nan)
+        walls = edge_rows(edges, flow.wall_edges, len(mesh.points))
+        shear[walls] = flow.wall_shear
+        nothing = np.full(len(edges), np.nan)
+        velocity = np.full((len(edges) + faces, 3), np.nan)
+        velocity[len(edges) :, :2], velocity[len(edges) :, 2] = flow.velocity, 0.0
+        frame = _frame(
+            points=mesh.points,
+            lines=edges,
+            triangles=mesh.triangles,
+            node_velocity=flow.node_velocity(),
+            cells={
+                "kind": np.repeat(np.array([BOUNDARY, FLUID], dtype=np.uint8), [len(edges), faces]),
+                "velocity": velocity,
+                "pressure": np.concatenate([nothing, flow.pressure]),
+                "wall_shear": np.concatenate([shear, np.full(faces, np.nan)]),
+                "tag": np.concatenate([mesh.boundary_tags, np.full(faces, -1, dtype=np.int32)]).astype(np.int32),
+            },
+        )
+        members = [np.array(group, dtype=np.int32) for group in step.lineage]
+        pillars = step.domain.pillars
+        outlines = {
+            "points": _joined(pillars, np.empty((0, 2))),
+            "sizes": np.array([len(pillar) for pillar in pillars], dtype=np.int32),
+            "activation": _joined(step.activation, np.empty(0)),
+            "node_shear": _joined(step.node_shear, np.empty(0)),
+            "members": _joined(members, np.empty(0, dtype=np.int32)),
+            "member_sizes": np.array([len(group) for group in members], dtype=np.int32),
+            "merge_angles": np.array([merge.angle for merge in merges], dtype=np.float64),
+        }
+        self._add("angiogenesis", row, frame, outlines)
+
+    def set_domain(self, domain: Domain) -> None:
+        """Store the outer boundary; it is the same in every frame."""
+        group = self._run.require_group("domain")
+        for name in list(group):
+            del group[name]
+        group["outer"] = domain.outer
+        group["sides"] = json.dumps(domain.sides)
+        self._flush()
+
+    def set_facts(self, name: str, facts: Mapping[str, Any] | Sequence[Any]) -> None:
+        """Store named facts (numbers and words) under `run`, as JSON text: the extraction report, the stages."""
+        if name in self._run:
+            del self._run[name]
+        self._run[name] = json.dumps(facts)
+        self._flush()
+
+    def finish(self) -> None:
+        """Mark the record as complete."""
+        self._run.attrs["complete"] = 1
+        self._flush()
+
+    def close(self) -> None:
+        """Close the file; it can be read from now on."""
+        with uninterrupted():
+            self._file.close()
+            self._guard.close()
+        self._guard.check()
+
+    def _add(self, stage: str, row: Row, frame: GridFrame, outlines: dict[str, NDArray[Any]] | None = None) -> None:
+        """Write one frame, its row of the table and its outlines; the frame counts once all three are there."""
+        number = float(STAGES.index(stage))
+        fields = {"stage": number, "step": row["step"], "time": row["time"]}
+        frame.field_data.update({name: np.array([value], dtype=np.float64) for name, value in fields.items()})
+        require_room(self.path, sum(a.nbytes for a in (*frame.cell_data.values(), *frame.point_data.values())))
+        with uninterrupted():
+            for name in COLUMNS:
+                value = number if name == "stage" else float(row.get(name, np.nan))
+                extend(self._run["metrics"], name, np.array([value]))
+            if outlines is not None:
+                self._pillars.append(outlines)
+            self._grid.append(len(self._grid), frame)
+            self._flush()
+
+    def _truncate(self, frames: int) -> None:
+        self._grid.truncate(frames)
+        metrics = self._run["metrics"]
+        for name in list(metrics):
+            metrics[name].resize(frames, axis=0)
+        stages = metrics["stage"][:] if frames else np.empty(0)
+        self._pillars.truncate(int(np.count_nonzero(stages == STAGES.index("angiogenesis"))))
+        self._run.attrs["complete"] = 0
+        self._flush()
+
+    def _flush(self) -> None:
+        with uninterrupted():
+            self._file.flush()
+        self._guard.check()
+
+
+def require_room(path: Path, need: int) -> None:
+    """Raise OSError when the disk has no room for `need` bytes, before a file is torn by trying."""
+    free = shutil.disk_usage(path.parent).free
+    if free < need + _ROOM:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+
+def edge_rows(edges: NDArray[np.int32], wanted: NDArray[np.int32], nodes: int) -> NDArray[np.int64]:
+    """Rows of `edges` in which the `wanted` edges stand, whichever way round.
+
+    Raises
+    ------
+    InputError
+        When one of them is not there.
+    """
+    keys = edge_keys(edges, nodes)
+    order = np.argsort(keys)
+    if len(wanted) == 0:
+        return np.empty(0, dtype=np.int64)
+    sought = edge_keys(wanted, nodes)
+    places = order[np.minimum(np.searchsorted(keys[order], sought), len(keys) - 1)]
+    if not np.array_equal(keys[places], sought):
+        raise InputError(f"{np.count_nonzero(keys[places] != sought)} wall edges are no boundary edges of the mesh")
+    return np.asarray(places)
+
+
+def edge_keys(edges: NDArray[np.int32], nodes: int) -> NDArray[np.int64]:
+    """One whole number an edge, the same for both directions."""
+    wide = edges.astype(np.int64)
+    return np.asarray(wide.min(axis=1) * nodes + wide.max(axis=1))
+
+
+def first_line(error: BaseException) -> str:
+    """Return the first line of an error's message."""
+    return next(iter(str(error).splitlines()), type(error).__name__)
+
+
+def _joined(parts: Sequence[NDArray[Any]], nothing: NDArray[Any]) -> NDArray[Any]:
+    return np.concatenate(parts) if len(parts) else nothing
+
+
+def _frame(
+    points: NDArray[np.float64],
+    lines: NDArray[np.int32],
+    triangles: NDArray[Any],
+    node_velocity: NDArray[np.float64],
+    cells: dict[str, NDArray[Any]],
+) -> GridFrame:
+    """Bring a frame into the fixed set of arrays; NaN where a cell has no such value."""
+    count = len(lines) + len(triangles)
+    data: dict[str, NDArray[Any]] = {
+        "kind": cells["kind"],
+        "force": np.full(count, np.nan),
+        "velocity": np.full((count, 3), np.nan),
+        "pressure": np.full(count, np.nan),
+        "wall_shear": np.full(count, np.nan),
+        "tag": np.full(count, -1, dtype=np.int32),
+    }
+    nodes = np.zeros((len(points), 3))
+    nodes[:, :2] = node_velocity
+    return GridFrame(
+        points=np.asarray(points, dtype=np.float64),
+        lines=np.asarray(lines, dtype=np.int64),
+        triangles=np.asarray(triangles, dtype=np.int64),
+        point_data={"node_velocity": nodes},
+        cell_data=data | cells,
+        field_data={},
+    )

@@ -1,0 +1,133 @@
+"""The table of a run's numbers: its columns, and the CSV file that spreadsheets open."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vasculo.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+STAGES = ("vasculogenesis", "angiogenesis")
+"""Stages with recorded steps, in their order; files hold the position in this tuple."""
+
+COUNTS = ("step", "springs", "pillars", "merges", "triangles")
+"""Columns of whole numbers."""
+
+COLUMNS = (
+    "stage",
+    "step",
+    "time",
+    "springs",
+    "void_fraction",
+    "pillars",
+    "merges",
+    "order",
+    "alignment",
+    "aspect_ratio",
+    "angle",
+    "mean_gap",
+    "permeability",
+    "mean_wall_shear",
+    "triangles",
+    "residual",
+    "mass_imbalance",
+    "seconds",
+)
+"""Columns of `metrics.csv`, in order."""
+
+MEANINGS = {
+    "stage": "vasculogenesis or angiogenesis",
+    "step": "time step (vasculogenesis) or geometry step (angiogenesis)",
+    "time": "model time (vasculogenesis) or accumulated activation strain (angiogenesis)",
+    "springs": "living springs",
+    "void_fraction": "share of the tissue covered by voids",
+    "pillars": "voids so far (vasculogenesis) or pillars (angiogenesis)",
+    "merges": "mergers so far",
+    "order": "mean cos 2 theta, theta between the long axis of a pillar and the mean flow",
+    "alignment": "the same, theta between the long axis and the drag on that pillar",
+    "aspect_ratio": "long over short axis of the pillars, mean weighted by area",
+    "angle": "mean long axis of the pillars against x, degrees",
+    "mean_gap": "mean distance from a pillar to its nearest neighbour, model length",
+    "permeability": "Darcy permeability along x, model length squared",
+    "mean_wall_shear": "mean magnitude of the wall shear on the pillars, model pressure",
+    "triangles": "triangles of the flow mesh",
+    "residual": "largest force left over the force scale of the stage, dimensionless",
+    "mass_imbalance": "largest relative error of the mass balance of the flow",
+    "seconds": "wall time since the previous row of the stage",
+}
+"""What each column means, a line each."""
+
+Row = dict[str, float]
+
+
+def to_csv(stages: Sequence[str], columns: Mapping[str, NDArray[np.float64]]) -> str:
+    """Write the table as CSV text; numbers read back exactly, cells that do not apply are empty.
+
+    Parameters
+    ----------
+    stages : sequence of str
+        Stage of each row.
+    columns : mapping of str to (rows,) float64
+        NaN where a cell does not apply. A missing column is empty.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for row, stage in enumerate(stages):
+        cells = [_cell(name, columns[name][row]) if name in columns else "" for name in COLUMNS[1:]]
+        writer.writerow([stage, *cells])
+    return text.getvalue()
+
+
+def from_csv(path: Path) -> tuple[list[str], dict[str, NDArray[np.float64]]]:
+    """Read what `to_csv` wrote.
+
+    Raises
+    ------
+    InputError
+        When the file is no such table.
+    """
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    if not rows or tuple(rows[0]) != COLUMNS:
+        raise InputError(f"{path} is no table of a run: its first line must name {', '.join(COLUMNS)}")
+    body = rows[1:]
+    columns = {
+        name: np.array([float(row[place]) if row[place] else np.nan for row in body], dtype=np.float64)
+        for place, name in enumerate(COLUMNS)
+        if name != "stage"
+    }
+    return [row[0] for row in body], columns
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file so that it is there as a whole or not at all.
+
+    Raises
+    ------
+    OSError
+        When it cannot be written; nothing is left behind then.
+    """
+    part = path.with_name(f".{path.name}.part")
+    try:
+        part.write_bytes(content.encode() if isinstance(content, str) else content)
+        os.replace(part, path)  # noqa: PTH105  # atomic on one file system, which is the point
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise
+
+
+def _cell(name: str, value: float) -> str:
+    if np.isnan(value):
+        return ""
+    return str(int(value)) if name in COUNTS else repr(float(value))

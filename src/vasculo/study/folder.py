@@ -1,0 +1,100 @@
+"""The folder of a run: where it goes, and its log."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from vasculo.errors import InputError
+from vasculo.store.read import CHECKPOINT, LOG, RECORD, STUDY
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+HOME = Path("runs")
+"""Where runs go when no folder is named."""
+
+
+def new_folder(name: str, out: str | Path | None) -> Path:
+    """Make the folder of a new run.
+
+    Parameters
+    ----------
+    name : str
+        Name of the study.
+    out : str or Path, optional
+        The folder; without it `runs/<name>`, or `runs/<name>-2` and so on when that is taken.
+
+    Raises
+    ------
+    InputError
+        When the folder holds a run already, is a file, or cannot be made.
+    """
+    folder = free_folder(name) if out is None else Path(out)
+    if any((folder / file).exists() for file in (RECORD, CHECKPOINT)):
+        raise InputError(f"{folder} holds a run already: name another folder with --out, or go on with --resume")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder} cannot be made: {error.strerror}") from None
+    return folder
+
+
+def free_folder(name: str) -> Path:
+    """First of `runs/<name>`, `runs/<name>-2`, ... that is not there yet."""
+    number = 1
+    while (folder := HOME / (name if number == 1 else f"{name}-{number}")).exists():
+        number += 1
+    return folder
+
+
+def old_folder(name: str, out: str | Path | None) -> Path:
+    """Folder of the run to go on with: `out`, or the latest one of the study under `runs`.
+
+    Raises
+    ------
+    InputError
+        When there is none.
+    """
+    if out is not None:
+        folder = Path(out)
+        if not (folder / STUDY).is_file():
+            raise InputError(f"{folder} holds no run to go on with: there is no {STUDY}")
+        return folder
+    pattern = re.compile(rf"{re.escape(name)}(?:-(\d+))?")
+    found = [
+        (int(match.group(1) or 1), path)
+        for path in (HOME.iterdir() if HOME.is_dir() else ())
+        if (match := pattern.fullmatch(path.name)) and (path / STUDY).is_file()
+    ]
+    if not found:
+        raise InputError(f"there is no run of {name} under {HOME} to go on with: name its folder with --out")
+    return max(found)[1]
+
+
+class Log:
+    """A log file; each line is written at once, with the time of day.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the run; the log is continued when there is one.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._file = (folder / LOG).open("a", encoding="utf-8")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._file.close()
+
+    def line(self, text: str) -> None:
+        """Write one line."""
+        self._file.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')}  {text}\n")
+        self._file.flush()

@@ -1,0 +1,126 @@
+"""What a study leads to, before it is run: sizes, stability, expected pillars, memory and time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vasculo.errors import InputError
+from vasculo.mesh.generate import generate_mesh
+from vasculo.study.drawn import drawn_domain
+from vasculo.tissue.lattice import lattice
+
+if TYPE_CHECKING:
+    from vasculo.study.settings import Settings
+
+    Lines = list[tuple[str, str]]
+
+# Measured on one core; a study of another size is scaled from these.
+_SPRING_STEP = 1.0e-8  # seconds a spring and time step
+_FLOW_TRIANGLE = 9e-5  # seconds a triangle and geometry step: mesh, flow, cells
+_TRIANGLE_MEMORY = 0.03  # MB a triangle of the flow mesh
+_FRAME_TRIANGLE = 90.0  # bytes of the record a triangle and step
+_FRAME_SPRING = 35.0  # bytes of the record a spring and step
+_BASE_MEMORY = 350.0  # MB of the program itself
+_FIGURES_TIME = 8.0  # seconds
+_TRIANGLES_PER_PILLAR = 110.0  # of the flow mesh, two triangles across a passage
+_MEDIUM_VOIDS, _MEDIUM_NODES, _MEDIUM_LOAD = 145.0, 12_000, 0.0045  # voids of the preset "medium"
+
+
+def forecast(settings: Settings) -> Lines:
+    """Work out what a study leads to.
+
+    Parameters
+    ----------
+    settings : Settings
+        A checked study.
+
+    Returns
+    -------
+    list of (str, str)
+        What, and how much.
+
+    Raises
+    ------
+    InputError
+        When the time step exceeds the stability limit, or the domain cannot be meshed.
+    """
+    lines: Lines = [("study", settings.study.title), ("stages", ", ".join(settings.stages))]
+    seconds, memory, size = _FIGURES_TIME, _BASE_MEMORY, 0.0
+    if settings.kind == "tissue":
+        more, took, kept = _tissue(settings)
+        triangles = _voids(settings) * _TRIANGLES_PER_PILLAR * (settings.angiogenesis.flow_across / 2.0)
+        lines += more
+    else:
+        more, triangles = _drawn(settings)
+        took, kept = 0.0, 0.0
+        lines += more
+    seconds, size = seconds + took, size + kept
+    if "angiogenesis" in settings.stages:
+        steps = settings.angiogenesis.steps
+        seconds += _FLOW_TRIANGLE * triangles * (steps + 1)
+        memory += _TRIANGLE_MEMORY * triangles
+        size += _FRAME_TRIANGLE * triangles * (steps // settings.output.step_every + 1) / 1e6
+        lines.append(("geometry steps", str(steps)))
+    lines += [
+        ("expected memory", f"about {memory:.0f} MB"),
+        ("expected record", f"about {max(size, 1.0):.0f} MB"),
+        ("expected time", f"about {_duration(seconds)} on one core, compiling (once) not counted"),
+    ]
+    return lines
+
+
+def _tissue(settings: Settings) -> tuple[Lines, float, float]:
+    """Lines, seconds and MB of the vasculogenesis."""
+    keys = settings.vasculogenesis
+    network = lattice(**settings.tissue, seed=settings.study.seed)
+    network.tether = keys.tether
+    limits = []
+    for damping in (keys.damping, keys.tightening_damping):
+        network.damping = damping
+        limits.append(network.stability_limit())
+    limit = min(limits)
+    if keys.time_step > limit:
+        raise InputError(
+            f"vasculogenesis.time_step = {keys.time_step:g} exceeds the stability limit {limit:.3g} of this tissue "
+            f"({limits[0]:.3g} in growth, {limits[1]:.3g} in tightening): lower it below the limit"
+        )
+    growth = (1.0 - max(keys.growth_limit, 0.6)) / keys.growth_rate
+    hold = keys.hold if keys.self_stopping else 0.0
+    steps = (growth + hold + keys.tightening_time + keys.settling_time) / keys.time_step
+    checks = 80 + 160
+    length = float(network.rest_lengths.mean())
+    lines = [
+        ("nodes", str(len(network.points))),
+        ("springs", str(len(network.springs))),
+        ("mean spring length", f"{length:.4g} of the side"),
+        ("time step", f"{keys.time_step:g}, stability limit {limits[0]:.3g} in growth, {limits[1]:.3g} in tightening"),
+        ("time steps", f"about {steps:.0f}"),
+        ("expected pillars", f"about {_voids(settings):.0f}"),
+    ]
+    frames = checks / settings.output.growth_every + 8
+    return lines, steps * _SPRING_STEP * len(network.springs), frames * _FRAME_SPRING * len(network.springs) / 1e6
+
+
+def _voids(settings: Settings) -> float:
+    """Estimate the voids: in proportion to the nodes, and about the 0.6th power of load times damping."""
+    keys = settings.vasculogenesis
+    load = keys.growth_rate * max(keys.damping, 1.0) / _MEDIUM_LOAD
+    return float(_MEDIUM_VOIDS * settings.tissue["nodes"] / _MEDIUM_NODES * load**0.6)
+
+
+def _drawn(settings: Settings) -> tuple[Lines, float]:
+    """Lines and triangles of a domain that is drawn; it is meshed for that."""
+    domain = drawn_domain(settings)
+    keys, unit = settings.angiogenesis, domain.mean_radius
+    mesh = generate_mesh(domain, keys.flow_spacing * unit, keys.membrane_spacing * unit, across=keys.flow_across)
+    left, bottom, right, top = domain.bounds
+    lines = [
+        ("box", f"{right - left:g} x {top - bottom:g}"),
+        ("pillars", f"{len(domain.pillars)}, mean radius {unit:.4g}"),
+        ("triangles at step 0", str(len(mesh.triangles))),
+    ]
+    return lines, float(len(mesh.triangles))
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"

@@ -1,0 +1,152 @@
+"""One run on its way: the stages in order, with the watchers attached and the files kept in step."""
+
+from __future__ import annotations
+
+import inspect
+import resource
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from vasculo.pillars.angiogenesis import remodel
+from vasculo.plexus.extract import extract
+from vasculo.store.read import CHECKPOINT
+from vasculo.study import watch
+from vasculo.study.drawn import drawn_domain
+from vasculo.study.schema import parameter_meanings
+from vasculo.study.sections import meanings_of
+from vasculo.tissue.lattice import lattice
+from vasculo.tissue.vasculogenesis import grow_plexus
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from vasculo.geometry.domain import Domain
+    from vasculo.springs.network import SpringNetwork
+    from vasculo.store.checkpoint import Checkpoint
+    from vasculo.store.record import Record
+    from vasculo.study.folder import Log
+    from vasculo.study.settings import Settings
+
+
+@dataclass
+class Job:
+    """What the stages of one run share.
+
+    Attributes
+    ----------
+    settings : Settings
+        The study.
+    folder : Path
+        Folder of the run.
+    record, table, log : Record, Table, Log
+        Its files, open.
+    checkpoint : Checkpoint
+        What is finished.
+    progress : Progress
+        Who wants to see it.
+    """
+
+    settings: Settings
+    folder: Path
+    record: Record
+    table: watch.Table
+    log: Log
+    checkpoint: Checkpoint
+    progress: watch.Progress
+    _result: str = field(default="", init=False)
+
+    def work(self) -> None:
+        """Go through the stages that are not finished yet."""
+        self.record.set_facts("meanings", meanings_of(self.settings.kind))
+        done = {stage["name"] for stage in self.checkpoint.stages}
+        for name in self.settings.stages:
+            if name not in done:
+                with self.stage(name):
+                    getattr(self, f"_{name}")()
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Time a stage, note its peak memory, and save the checkpoint behind it."""
+        self.progress.begin(name, "")
+        self.log.line(f"{name}: begins")
+        clock, before, self._result = perf_counter(), self.checkpoint.seconds, ""
+        yield
+        seconds = before + perf_counter() - clock
+        fact = {"name": name, "seconds": round(seconds, 3), "peak_mb": round(peak_memory()), "result": self._result}
+        self.checkpoint.stages.append(fact)
+        self.checkpoint.frames, self.checkpoint.seconds = len(self.record), 0.0
+        self.record.set_facts("stages", self.checkpoint.stages)
+        self.checkpoint.save(self.folder / CHECKPOINT)
+        self.log.line(f"{name}: {self._result} ({seconds:.1f} s, peak {fact['peak_mb']} MB)")
+        self.progress.end(self._result)
+
+    def _vasculogenesis(self) -> None:
+        settings = self.settings
+        tissue = lattice(**settings.tissue, seed=settings.study.seed)
+        self.log.line(f"vasculogenesis: {len(tissue.points)} nodes, {len(tissue.springs)} springs")
+        recorder = watch.GrowthRecorder(self.record, self.table, settings.output.growth_every)
+        seen = watch.in_turn(watch.GrowthInvariants(), recorder, watch.growth_progress(self.progress))
+        plexus = grow_plexus(tissue, settings.vasculogenesis, settings.study.seed, seen)
+        recorder.flush()
+        self.checkpoint.plexus = plexus
+        left = len(plexus.springs) / len(tissue.springs)
+        self._result = (
+            f"{len(tissue.points)} nodes, {len(plexus.springs)} of {len(tissue.springs)} springs left ({left:.0%})"
+        )
+
+    def _extraction(self) -> None:
+        found = extract(self._plexus, self.settings.extraction)
+        meanings = parameter_meanings(inspect.getdoc(type(found.report)) or "")
+        rows = found.report.rows().items()
+        facts = [{"name": name, "value": value, "meaning": meanings.get(name, "")} for name, value in rows]
+        self.record.set_facts("extraction", facts)
+        self.record.set_facts("void_of_pillar", [int(void) for void in found.void_of_pillar])
+        self._keep(found.domain)
+        for note in found.report.notes:
+            self.log.line(f"extraction: {note}")
+        self._result = f"voids {found.report.voids}, pillars {len(found.domain.pillars)}"
+
+    def _domain(self) -> None:
+        self._keep(drawn_domain(self.settings))
+        self._result = f"pillars {len(self._start.pillars)}"
+
+    def _angiogenesis(self) -> None:
+        settings, checkpoint = self.settings, self.checkpoint
+        start = checkpoint.state
+        if start is not None:
+            self.log.line(f"angiogenesis: goes on behind step {start.step}")
+        recorder = watch.RemodelRecorder(
+            self.record, self.table, checkpoint, self.folder / CHECKPOINT, settings.output.step_every
+        )
+        seen = watch.in_turn(watch.RemodelInvariants(), recorder, watch.remodel_progress(self.progress))
+        final = remodel(self._start, settings.angiogenesis, seen, start=start)
+        before, merges = len(self._start.pillars), checkpoint.state.merges_total if checkpoint.state else 0
+        self._result = f"pillars {before} to {len(final.pillars)}, mergers {merges}, steps {settings.angiogenesis.steps}"
+
+    def _keep(self, domain: Domain) -> None:
+        """Keep the domain before the remodelling."""
+        self.checkpoint.domain = domain
+        self.record.set_domain(domain)
+
+    @property
+    def _plexus(self) -> SpringNetwork:
+        return _there(self.checkpoint.plexus)
+
+    @property
+    def _start(self) -> Domain:
+        return _there(self.checkpoint.domain)
+
+
+def _there(value: Any) -> Any:  # noqa: ANN401  # whichever result of an earlier stage
+    """Return a result of an earlier stage."""
+    if value is None:
+        raise RuntimeError("a stage was reached before the one it builds on")
+    return value
+
+
+def peak_memory() -> float:
+    """Largest memory that this process has held, MB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0

@@ -1,0 +1,174 @@
+"""The sections of a study file, and what each of them configures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+from vasculo.errors import InputError
+from vasculo.pillars.parameters import Angiogenesis
+from vasculo.plexus.extract import Extraction
+from vasculo.plexus.voronoi import disk_domain, voronoi_plexus
+from vasculo.study.schema import keys_of
+from vasculo.tissue.lattice import FEWEST, lattice
+from vasculo.tissue.parameters import PRESETS, Vasculogenesis
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+Until = Literal["vasculogenesis", "extraction", "angiogenesis"]
+
+
+@dataclass(frozen=True)
+class StudyKeys:
+    """What the study is and how far it goes.
+
+    Parameters
+    ----------
+    title : str
+        One line for lists and the report.
+    seed : int
+        Seed of everything drawn at random, 0 or more: the same seed gives the same numbers.
+    until : {"vasculogenesis", "extraction", "angiogenesis"}
+        Last stage; only a study that starts from a tissue can end before the last one.
+    """
+
+    title: str = "A study"
+    seed: int = 0
+    until: Until = "angiogenesis"
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.seed < 2**32:
+            raise InputError(f"seed = {self.seed} is not a whole number from 0 to {2**32 - 1}")
+
+
+@dataclass(frozen=True)
+class OutputKeys:
+    """What is kept of a run. It does not change the numbers.
+
+    Parameters
+    ----------
+    growth_every : int
+        Record every so many checks of the vasculogenesis (a check is about 0.005 of the rest-length factor), 1 or more;
+        the first and the last of each phase are recorded in any case.
+    step_every : int
+        Record every so many geometry steps of the angiogenesis, 1 or more; the first and the last in any case.
+    figures : bool
+        Draw the figures and write the report at the end.
+    """
+
+    growth_every: int = 5
+    step_every: int = 1
+    figures: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("growth_every", "step_every"):
+            if getattr(self, name) < 1:
+                raise InputError(f"{name} = {getattr(self, name)} is not a whole number from 1 up")
+
+
+@dataclass(frozen=True)
+class UnitKeys:
+    """Physical units, for labels, tables and the report only; everything is computed in model units.
+
+    Parameters
+    ----------
+    length : float
+        Micrometres in one model length (the side of the tissue, or R0 of a block or disk); no default.
+    shear : float
+        dyn/cm2 in one model pressure; no default.
+    """
+
+    length: float | None = None
+    shear: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("length", "shear"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value < float("inf"):
+                raise InputError(f"{name} = {value!r} is not a number above 0")
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section of a study file.
+
+    Attributes
+    ----------
+    name : str
+        As in the brackets.
+    title : str
+        A comment for the file.
+    target : callable
+        Dataclass or function whose parameters are the keys.
+    skip : tuple of str
+        Parameters of it that are no keys.
+    check : callable, optional
+        Called with the values of a function's section; raises InputError when they are out of range.
+    presets : mapping of str to dataclass
+        Values by name, for the additional key `preset`; the other keys replace single values of it.
+    """
+
+    name: str
+    title: str
+    target: Callable[..., Any]
+    skip: tuple[str, ...] = ()
+    check: Callable[[dict[str, Any]], object] | None = None
+    presets: Mapping[str, Any] = field(default_factory=dict)
+
+
+def _check_tissue(values: dict[str, Any]) -> None:
+    """Refuse a tissue that cannot be made, without making one."""
+    if values["nodes"] < FEWEST:
+        raise InputError(f"nodes = {values['nodes']} is not a whole number from {FEWEST} up")
+
+
+DOMAIN_KINDS: dict[str, Callable[..., Any] | None] = {
+    "tissue": None,
+    "voronoi": voronoi_plexus,
+    "disk": disk_domain,
+}
+"""Where the pillars come from: grown from a tissue, or drawn by a function."""
+
+STUDY = Section("study", "What the study is", StudyKeys)
+TISSUE = Section(
+    "tissue", "The initial irregular mesh of the tissue, on the unit square", lattice, ("seed",), _check_tissue
+)
+VASCULOGENESIS = Section(
+    "vasculogenesis", "Growth and rupture: from the mesh to a plexus", Vasculogenesis, presets=PRESETS
+)
+EXTRACTION = Section("extraction", "From the plexus to pillars and tubules", Extraction)
+ANGIOGENESIS = Section("angiogenesis", "Remodelling of the pillars in the flow", Angiogenesis)
+OUTPUT = Section("output", "What is kept", OutputKeys)
+UNITS = Section("units", "Physical units for labels and tables", UnitKeys)
+
+ORDER = ("study", "domain", "tissue", "vasculogenesis", "extraction", "angiogenesis", "output", "units")
+_FIXED = (STUDY, TISSUE, VASCULOGENESIS, EXTRACTION, ANGIOGENESIS, OUTPUT, UNITS)
+SECTIONS = {section.name: section for section in _FIXED}
+
+
+def domain_section(kind: str) -> Section:
+    """Return the section `domain` for one kind; that of a tissue has no key but `kind`."""
+    draw = DOMAIN_KINDS[kind]
+    title = "Where the pillars come from"
+    if draw is None:
+        return Section("domain", title, _no_keys)
+    return Section("domain", title, draw, ("seed", "nodes", "spacing"), lambda values: draw(**values))
+
+
+def meanings_of(kind: str) -> dict[str, str]:
+    """Meaning of every key of a study of this kind, by "section.key"."""
+    sections = [section for section in _FIXED if section.name not in unused_sections(kind)]
+    found = {"domain.kind": domain_section(kind).title}
+    for section in (*sections, domain_section(kind)):
+        found |= {f"{section.name}.{key.name}": key.meaning for key in keys_of(section.target, section.skip).values()}
+    return found
+
+
+def unused_sections(kind: str) -> tuple[str, ...]:
+    """Sections that a study of this kind has no use for."""
+    return () if kind == "tissue" else ("tissue", "vasculogenesis", "extraction")
+
+
+def _no_keys() -> None:
+    """Take nothing."""

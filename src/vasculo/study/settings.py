@@ -1,0 +1,263 @@
+"""Settings of a study: read from TOML, checked, completed, and written back as TOML that gives the same numbers."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from vasculo.errors import InputError
+from vasculo.study.complaints import one_line, parse_error, unknown_section
+from vasculo.study.schema import keys_of, model_of
+from vasculo.study.sections import (
+    DOMAIN_KINDS,
+    ORDER,
+    SECTIONS,
+    OutputKeys,
+    Section,
+    StudyKeys,
+    UnitKeys,
+    domain_section,
+    unused_sections,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from vasculo.pillars.parameters import Angiogenesis
+    from vasculo.plexus.extract import Extraction
+    from vasculo.tissue.vasculogenesis import Vasculogenesis
+
+    Tables = dict[str, dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """A checked study, complete.
+
+    Attributes
+    ----------
+    study, output, units : StudyKeys, OutputKeys, UnitKeys
+        The sections of these names.
+    kind : str
+        Where the pillars come from: "tissue", "voronoi" or "disk".
+    domain, tissue : dict
+        Arguments of the function that draws the domain, and of `lattice`.
+    vasculogenesis, extraction, angiogenesis : dataclasses
+        Parameters of the stages.
+    """
+
+    study: StudyKeys
+    kind: str
+    domain: dict[str, Any]
+    tissue: dict[str, Any]
+    vasculogenesis: Vasculogenesis
+    extraction: Extraction
+    angiogenesis: Angiogenesis
+    output: OutputKeys
+    units: UnitKeys = field(default_factory=UnitKeys)
+
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """Names of the stages that the study goes through, in order."""
+        if self.kind != "tissue":
+            return ("domain", "angiogenesis")
+        every = ("vasculogenesis", "extraction", "angiogenesis")
+        return every[: every.index(self.study.until) + 1]
+
+    def tables(self) -> Tables:
+        """Every key with its value, by section, in the order of the file; keys without a value are left out."""
+        whole: Tables = {"domain": {"kind": self.kind} | self.domain}
+        for name in ORDER:
+            if name != "domain":
+                value = getattr(self, name)
+                whole[name] = value if isinstance(value, dict) else asdict(value)
+        unused = unused_sections(self.kind)
+        return {
+            name: {key: value for key, value in whole[name].items() if value is not None}
+            for name in ORDER
+            if name not in unused
+        }
+
+    def to_toml(self) -> str:
+        """Write the study as TOML: complete, and the same numbers when it is run again."""
+        blocks = []
+        for name, table in self.tables().items():
+            if table:
+                blocks.append(
+                    "\n".join([f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in table.items())])
+                )
+        return "\n\n".join(blocks) + "\n"
+
+
+def toml_value(value: object) -> str:
+    """Write one value as TOML; numbers read back exactly."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        escaped = value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
+        return f'"{escaped}"'
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(toml_value(item) for item in value)}]"
+    return repr(value)
+
+
+def parse_study(
+    text: str, source: str, overrides: Mapping[str, object] | None = None, label: str = "settings"
+) -> Settings:
+    """Check the text of a study file and complete it.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    source : str
+        Name of the file, for messages.
+    overrides : mapping of "section.key" to value, optional
+        Values that replace those of the file.
+    label : str
+        What the overrides are called in messages.
+
+    Raises
+    ------
+    InputError
+        For text that is not TOML, unknown sections and keys, values of the wrong type or out of range; one line.
+    """
+    try:
+        tables: Tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(parse_error(source, text, error)) from None
+    origin: dict[str, str] = {}
+    for path, value in (overrides or {}).items():
+        _override(tables, path, value, label)
+        origin[path] = label
+    kind = _kind(tables, source, origin)
+    unused = unused_sections(kind)
+    for name, table in tables.items():
+        where = _where(name, source, origin)
+        if name not in ORDER:
+            raise InputError(unknown_section(where, name, ORDER))
+        if not isinstance(table, dict):
+            raise InputError(
+                f"{where}: {name} = {table!r} stands outside a section: write it as [{name}] and keys below"
+            )
+        if name in unused:
+            raise InputError(f"{where}: [{name}] has no use in a study with domain.kind = {kind!r}: leave it out")
+    given = dict(tables.get("domain", {}))
+    given.pop("kind", None)
+    parts = {
+        name: _section(section, tables.get(name, {}), source, origin)
+        for name, section in SECTIONS.items()
+        if name != "domain"
+    }
+    domain = _section(domain_section(kind), given, source, origin)
+    if kind != "tissue" and parts["study"].until != "angiogenesis":
+        where = _where("study.until", source, origin)
+        until = parts["study"].until
+        raise InputError(f"{where}: study.until = {until!r} does not fit domain.kind = {kind!r}: there is no tissue")
+    return Settings(kind=kind, domain=domain, **parts)
+
+
+def read_study(path: Path, overrides: Mapping[str, object] | None = None, label: str = "settings") -> Settings:
+    """Read and check a study file; see `parse_study`.
+
+    Raises
+    ------
+    InputError
+        Also when the file cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is no text file: byte {error.start} is not UTF-8") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}") from None
+    return parse_study(text, str(path), overrides, label)
+
+
+def parse_assignment(text: str) -> tuple[str, object]:
+    """Split "section.key=value", the value as in TOML; a bare word counts as text.
+
+    Raises
+    ------
+    InputError
+        When there is no "=".
+    """
+    path, sign, value = text.partition("=")
+    path, value = path.strip(), value.strip()
+    if not (sign and path and value):
+        raise InputError(f"--set {text}: give section.key=value, for example angiogenesis.steps=10")
+    try:
+        return path, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return path, value
+
+
+def _kind(tables: Tables, source: str, origin: Mapping[str, str]) -> str:
+    """Value of domain.kind, checked."""
+    section = tables.get("domain", {})
+    kind = section.get("kind", "tissue") if isinstance(section, dict) else "tissue"
+    if not isinstance(kind, str) or kind not in DOMAIN_KINDS:
+        where = _where("domain.kind", source, origin)
+        raise InputError(f"{where}: domain.kind = {kind!r} must be one of {', '.join(map(repr, DOMAIN_KINDS))}")
+    return kind
+
+
+def _override(tables: Tables, path: str, value: object, label: str) -> None:
+    """Put one value into the tables."""
+    section, dot, key = path.partition(".")
+    if not (dot and key and section):
+        raise InputError(f"{label}: {path!r} names no key: give section.key, for example angiogenesis.steps")
+    table = tables.setdefault(section, {})
+    if isinstance(table, dict):
+        table[key] = value
+
+
+def _where(path: str, source: str, origin: Mapping[str, str]) -> str:
+    """Where a key or section was given: the overrides or the file."""
+    hits = [label for given, label in origin.items() if given == path or given.startswith(f"{path}.")]
+    return hits[0] if hits else source
+
+
+def _section(section: Section, table: Mapping[str, Any], source: str, origin: Mapping[str, str]) -> Any:  # noqa: ANN401
+    """Check one section; give the dataclass it configures, or the arguments of its function."""
+    model = model_of(section.target, section.skip)
+    keys = keys_of(section.target, section.skip)
+    if section.presets and "preset" in table:
+        where = _where(f"{section.name}.preset", source, origin)
+        table = _preset(section, table, where) | {key: value for key, value in table.items() if key != "preset"}
+    try:
+        values = dict(model(**table))
+    except ValidationError as error:
+        path, message = one_line(error, section, keys)
+        raise InputError(f"{_where(path, source, origin)}: {message}") from None
+    try:
+        if isinstance(section.target, type):
+            return section.target(**values)
+        if section.check is not None:
+            section.check(values)
+    except InputError as error:
+        raise InputError(_range_message(section, str(error), keys, source, origin)) from None
+    return values
+
+
+def _preset(section: Section, table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Values of the preset that a section names."""
+    name = table["preset"]
+    if name not in section.presets:
+        known = ", ".join(map(repr, section.presets))
+        raise InputError(f"{where}: {section.name}.preset = {name!r} must be one of {known}")
+    return asdict(section.presets[name])
+
+
+def _range_message(
+    section: Section, message: str, keys: Mapping[str, Any], source: str, origin: Mapping[str, str]
+) -> str:
+    """Put the file and the section before what the stage says about its parameters."""
+    key = message.split(" ", 1)[0].rstrip(":,")
+    if key in keys:
+        return f"{_where(f'{section.name}.{key}', source, origin)}: {section.name}.{message}"
+    return f"{_where(section.name, source, origin)}: [{section.name}] {message}"

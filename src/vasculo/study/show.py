@@ -1,0 +1,108 @@
+"""What the command line prints of a run: its stages at the end, and its numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from vasculo import measure
+from vasculo.store.read import FIGURES, RECORD, REPORT, TABLE
+from vasculo.store.table import COUNTS, STAGES, to_csv
+
+if TYPE_CHECKING:
+    from vasculo.store.read import Run
+
+_MOST_ROWS = 9
+_SHOWN = {
+    "vasculogenesis": ("step", "time", "springs", "void_fraction", "pillars", "residual"),
+    "angiogenesis": (
+        "step",
+        "pillars",
+        "merges",
+        "order",
+        "alignment",
+        "aspect_ratio",
+        "mean_gap",
+        "permeability",
+        "mean_wall_shear",
+        "triangles",
+    ),
+}
+
+
+def show_end(run: Run) -> None:
+    """Print the table of stages and where everything lies."""
+    console = Console(highlight=False)
+    table = _table("stage", "seconds", "peak MB", "result")
+    stages = run.facts("stages")
+    for stage in stages:
+        table.add_row(stage["name"], f"{stage['seconds']:.1f}", str(stage["peak_mb"]), stage["result"])
+    if stages:
+        total = sum(stage["seconds"] for stage in stages)
+        table.add_row("all", f"{total:.1f}", str(max(stage["peak_mb"] for stage in stages)), "")
+    console.print(table)
+    for name in (REPORT, FIGURES, RECORD, TABLE):
+        if (run.folder / name).exists():
+            console.print(f"{run.folder / name}", soft_wrap=True)
+
+
+def show_numbers(run: Run) -> None:
+    """Print rows of the table, thinned, and the pillars of the last step."""
+    console = Console(highlight=False)
+    if not run.complete:
+        console.print(f"incomplete: the run stopped before its end; vasculo run --resume --out {run.folder} goes on", soft_wrap=True)
+    for stage in STAGES:
+        rows = np.flatnonzero(run.metrics["stage"] == stage)
+        if not len(rows):
+            continue
+        table = _table(*_SHOWN[stage], title=stage)
+        picked = rows[np.unique(np.linspace(0, len(rows) - 1, _MOST_ROWS).round().astype(int))]
+        for row in picked:
+            table.add_row(*(_cell(name, float(run.metrics[name][row])) for name in _SHOWN[stage]))
+        console.print(table)
+    if run.steps("angiogenesis"):
+        _show_pillars(run, console)
+
+
+def table_text(run: Run) -> str:
+    """Return the whole table of a run as CSV."""
+    columns = {name: values for name, values in run.metrics.items() if name != "stage"}
+    return to_csv([str(stage) for stage in run.metrics["stage"]], columns)
+
+
+def _show_pillars(run: Run, console: Console) -> None:
+    domain = run.domain()
+    found, chains = measure.pillars(domain), measure.chains(domain, run.pillars().lineage)
+    table = _table("pillars of the last step", "smallest", "median", "largest")
+    values = {
+        "area": found.area,
+        "aspect ratio": found.aspect_ratio,
+        "nearest gap": found.nearest_gap,
+        "length": chains.lengths,
+        "original pillars": chains.sizes,
+    }
+    for name, column in values.items():
+        table.add_row(name, *(f"{value:.4g}" for value in (column.min(), np.median(column), column.max())))
+    console.print(table)
+    angles = np.concatenate([run.pillars(step).merge_angles for step in run.steps()])
+    text = f"pillars {len(found)}, {chains.fraction:.0%} of the original ones in chains"
+    if len(angles):
+        text += f"; mergers {len(angles)}, mean cos 2 phi {np.mean(np.cos(2.0 * np.radians(angles))):.2f} against x"
+    console.print(text, soft_wrap=True)
+
+
+def _table(*columns: str, title: str | None = None) -> Table:
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for number, name in enumerate(columns):
+        text = name in {"stage", "result"} or (number == 0 and " " in name)
+        table.add_column(name, justify="left" if text else "right", overflow="fold")
+    return table
+
+
+def _cell(name: str, value: float) -> str:
+    if np.isnan(value):
+        return ""
+    return str(int(value)) if name in COUNTS else f"{value:.4g}"

@@ -1,0 +1,95 @@
+"""The checkpoint: everything comes back, and it is whole or not there."""
+
+import dataclasses
+
+import h5py
+import numpy as np
+import pytest
+
+from vasculo.errors import InputError
+from vasculo.geometry.domain import Domain
+from vasculo.pillars.state import RemodelState
+from vasculo.store import checkpoint as module
+from vasculo.store.checkpoint import Checkpoint
+from vasculo.tissue.lattice import lattice
+
+
+def state():
+    return RemodelState(
+        step=4,
+        time=0.1 + 0.2,
+        length_unit=1.0 / 3.0,
+        shear_unit=2.5,
+        points=np.random.default_rng(0).random((7, 2)),
+        starts=np.array([0, 3, 7], dtype=np.int32),
+        rest_areas=np.array([1.0, 2.0]),
+        members=np.array([0, 2, 1], dtype=np.int32),
+        member_starts=np.array([0, 2, 3], dtype=np.int32),
+        merges_total=1,
+        matrix_points=np.zeros((0, 2)),
+        matrix_reference=np.zeros((0, 2)),
+        matrix_springs=np.zeros((0, 2), dtype=np.int32),
+        matrix_triangles=np.zeros((0, 3), dtype=np.int32),
+        matrix_pinned=np.zeros(0, dtype=np.bool_),
+    )
+
+
+def moved_network():
+    network = lattice(200, 2)
+    network.damping, network.tether = 0.7, 0.01
+    network.points[5] += 0.01
+    network.velocities[:] = 0.25
+    return network
+
+
+def test_everything_comes_back(tmp_path, fab):
+    path = tmp_path / "checkpoint.h5"
+    pillars = [fab.circle(1.0, 1.0, 0.4), fab.circle(3.0, 1.0, 0.5)]
+    domain = Domain.rectangle(4.0, 2.0, pillars)
+    before = Checkpoint(
+        fab.STUDY, 12, [{"name": "vasculogenesis", "seconds": 2.0}], moved_network(), domain, state(), 3.5
+    )
+    before.save(path)
+    after = Checkpoint.load(path)
+    assert (after.settings, after.frames, after.stages, after.seconds) == (fab.STUDY, 12, before.stages, 3.5)
+    for name in (*module._NETWORK, "damping", "tether"):
+        np.testing.assert_array_equal(getattr(after.plexus, name), getattr(before.plexus, name), err_msg=name)
+    np.testing.assert_array_equal(after.domain.outer, domain.outer)
+    assert after.domain.sides == domain.sides
+    for one, two in zip(after.domain.pillars, domain.pillars, strict=True):
+        np.testing.assert_array_equal(one, two)
+    for field in dataclasses.fields(RemodelState):
+        np.testing.assert_array_equal(getattr(after.state, field.name), getattr(before.state, field.name))
+
+
+def test_an_empty_one_too(tmp_path, fab):
+    Checkpoint(fab.STUDY).save(tmp_path / "checkpoint.h5")
+    after = Checkpoint.load(tmp_path / "checkpoint.h5")
+    assert (after.frames, after.plexus, after.domain, after.state) == (0, None, None, None)
+
+
+def test_a_failed_save_leaves_the_one_before(tmp_path, monkeypatch, fab):
+    path = tmp_path / "checkpoint.h5"
+    Checkpoint(fab.STUDY, 1).save(path)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    with pytest.raises(OSError, match="No space"):
+        Checkpoint(fab.STUDY, 2).save(path)
+    assert Checkpoint.load(path).frames == 1
+    assert [file.name for file in tmp_path.iterdir()] == ["checkpoint.h5"]
+
+
+def test_missing_damaged_and_foreign(tmp_path):
+    path = tmp_path / "checkpoint.h5"
+    with pytest.raises(InputError, match="there is no checkpoint.h5"):
+        Checkpoint.load(path)
+    path.write_bytes(b"rubbish")
+    with pytest.raises(InputError, match="no readable checkpoint"):
+        Checkpoint.load(path)
+    with h5py.File(path, "w") as file:
+        file.attrs["format"] = 7
+    with pytest.raises(InputError, match="checkpoint format 7"):
+        Checkpoint.load(path)

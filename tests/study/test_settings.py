@@ -1,0 +1,183 @@
+"""Study files: complete, exact, and refused in one line when they are wrong."""
+
+import pytest
+
+from vasculo.errors import InputError
+from vasculo.pillars.parameters import Angiogenesis
+from vasculo.plexus.extract import Extraction
+from vasculo.study.builtin import NAMES, builtin_path, find_study, titles
+from vasculo.study.settings import parse_assignment, parse_study, read_study, toml_value
+from vasculo.study.template import template
+from vasculo.tissue.parameters import PRESETS, Vasculogenesis
+
+
+def parse(text, **overrides):
+    return parse_study(text, "study.toml", overrides.get("settings"), overrides.get("label", "settings"))
+
+
+def test_an_empty_study_has_the_defaults_of_the_stages():
+    settings = parse("")
+    assert settings.vasculogenesis == Vasculogenesis()
+    assert settings.extraction == Extraction()
+    assert settings.angiogenesis == Angiogenesis()
+    assert settings.stages == ("vasculogenesis", "extraction", "angiogenesis")
+    assert settings.tissue == {"nodes": 12_000}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_built_in_studies_are_complete_and_repeatable(name):
+    settings = read_study(find_study(name))
+    text = settings.to_toml()
+    assert parse(text) == settings
+    assert parse(text).to_toml() == text
+    assert titles()[name] == settings.study.title
+    assert "\n" not in settings.study.title
+
+
+def test_the_stages_of_the_built_in_studies():
+    stages = {name: read_study(builtin_path(name)).stages for name in NAMES}
+    assert stages["paper"] == stages["small"] == ("vasculogenesis", "extraction", "angiogenesis")
+    assert stages["plexus"] == ("vasculogenesis",)
+    assert stages["disk"] == stages["chains"] == stages["hanging"] == ("domain", "angiogenesis")
+    assert read_study(builtin_path("hanging")).angiogenesis.is_hanging
+    assert read_study(builtin_path("paper")).tissue["nodes"] == 12_000
+
+
+def test_a_preset_is_a_start_and_single_keys_replace():
+    settings = parse('[vasculogenesis]\npreset = "fine"\ndamping = 4')
+    assert settings.vasculogenesis.growth_rate == PRESETS["fine"].growth_rate
+    assert settings.vasculogenesis.damping == 4
+    assert "preset" not in settings.to_toml()
+
+
+def test_overrides_replace():
+    settings = parse("[tissue]\nnodes = 500", settings={"tissue.nodes": 600, "units.length": 1000})
+    assert settings.tissue == {"nodes": 600}
+    assert settings.units.length == 1000
+
+
+@pytest.mark.parametrize(
+    ("text", "pair"),
+    [
+        ("a.b=3", ("a.b", 3)),
+        ("a.b = 1e-3", ("a.b", 1e-3)),
+        ("a.b=slip", ("a.b", "slip")),
+        ('a.b="x = y"', ("a.b", "x = y")),
+        ("a.b=true", ("a.b", True)),
+        ("a.b=[1, 2]", ("a.b", [1, 2])),
+    ],
+)
+def test_assignments(text, pair):
+    assert parse_assignment(text) == pair
+
+
+@pytest.mark.parametrize("text", ["a.b", "a.b=", "=3", "="])
+def test_no_assignment(text):
+    with pytest.raises(InputError, match="give section.key=value"):
+        parse_assignment(text)
+
+
+@pytest.mark.parametrize("value", [True, 3, -0.1, 1e300, "a\"b\\c\nd\te", [1, "x"], 0.1 + 0.2])
+def test_toml_values_read_back(value):
+    import tomllib
+
+    assert tomllib.loads(f"x = {toml_value(value)}")["x"] == value
+
+
+WRONG = [
+    ("a = 3", "study.toml: unknown section [a] (sections: study, domain, tissue"),
+    ("nodes = 3", "study.toml: unknown section [nodes], did you mean tissue.nodes?"),
+    ("study = 3", "study.toml: study = 3 stands outside a section"),
+    ("[angiogenesi]\nsteps = 3", "study.toml: unknown section [angiogenesi], did you mean [angiogenesis]?"),
+    ("[angiogenesis]\nstep = 3", "study.toml: unknown key angiogenesis.step, did you mean angiogenesis.steps?"),
+    ("[angiogenesis]\nnodes = 3", "study.toml: unknown key angiogenesis.nodes, did you mean tissue.nodes?"),
+    ("[tissue]\nnode = 300\n", "study.toml: unknown key tissue.node, did you mean tissue.nodes?"),
+    ("[tissue]\nnodes = '300'\n", "study.toml: tissue.nodes = '300' must be a whole number"),
+    ("[tissue]\nnodes = 300.5\n", "study.toml: tissue.nodes = 300.5 must be a whole number"),
+    ("[tissue]\nnodes = true\n", "study.toml: tissue.nodes = True must be a whole number"),
+    ("[tissue]\nnodes = 3\n", "study.toml: tissue.nodes = 3 is not a whole number from 25 up"),
+    ("[vasculogenesis]\ndamping = -1", "study.toml: vasculogenesis.damping is -1"),
+    ("[vasculogenesis]\nthreshold = nan", "study.toml: vasculogenesis.threshold is nan"),
+    ("[vasculogenesis]\npreset = 'fin'", "study.toml: vasculogenesis.preset = 'fin' must be one of 'fine', 'medium'"),
+    ("[vasculogenesis]\nprest = 'fine'", "study.toml: unknown key vasculogenesis.prest, did you mean"),
+    ("[angiogenesis]\nactivation = 3.0", "study.toml: angiogenesis.activation = 3.0 is not a number from -0.2 to 0.2"),
+    ("[angiogenesis]\nwalls = 'soft'", "study.toml: angiogenesis.walls = 'soft' must be one of 'slip', 'no-slip'"),
+    ("[extraction]\nfluid_fraction = 2.0", "study.toml: extraction.fluid_fraction must lie between 0 and 1"),
+    ("[domain]\nkind = 'box'", "study.toml: domain.kind = 'box' must be one of 'tissue', 'voronoi', 'disk'"),
+    ("[domain]\nkind = 3", "study.toml: domain.kind = 3 must be one of"),
+    ("[domain]\nkind = 'disk'\n[tissue]\nnodes = 99", "study.toml: [tissue] has no use in a study with domain.kind = 'disk'"),
+    ("[domain]\nradius = 2.0", "study.toml: unknown key domain.radius"),
+    ("[domain]\nkind = 'disk'\nradius = 9.0", "study.toml: [domain] a disk of radius 9"),
+    ("[domain]\nkind = 'disk'\n[study]\nuntil = 'extraction'", "study.toml: study.until = 'extraction' does not fit"),
+    ("[study]\nuntil = 'plexus'", "study.toml: study.until = 'plexus' must be one of 'vasculogenesis', 'extraction'"),
+    ("[study]\nseed = -1", "study.toml: study.seed = -1 is not a whole number from 0 to 4294967295"),
+    ("[output]\nstep_every = 0", "study.toml: output.step_every = 0 is not a whole number from 1 up"),
+    ("[units]\nshear = -2.0", "study.toml: units.shear = -2.0 is not a number above 0"),
+    ("[study\nseed = 1", "study.toml: not TOML at line 1, column 7: expected ']'"),
+    ("[study]\nseed = 1\nseed = 2", "study.toml: not TOML at line 3, column 9: cannot overwrite a value"),
+    ("[study]\nseed = ", "study.toml: not TOML at line 2, column 8: invalid value"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG)
+def test_wrong_studies_are_refused_in_one_line(text, message):
+    with pytest.raises(InputError) as caught:
+        parse(text)
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+def test_several_mistakes_are_counted():
+    with pytest.raises(InputError, match=r"unknown key output\.figure, .*\(and 1 more\)"):
+        parse("[output]\nfigure = true\nstep_every = 'x'")
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("tissue.node", 30, "--set: unknown key tissue.node, did you mean tissue.nodes?"),
+        ("tissue.nodes", "many", "--set: tissue.nodes = 'many' must be a whole number"),
+        ("angiogenesis.steps", -1, "--set: angiogenesis.steps = -1 is not a number from 0"),
+        ("steps", 3, "--set: 'steps' names no key: give section.key"),
+        ("nothing.steps", 3, "--set: unknown section [nothing]"),
+    ],
+)
+def test_a_wrong_override_is_not_blamed_on_the_file(path, value, message):
+    with pytest.raises(InputError) as caught:
+        parse("[tissue]\nnodes = 99", settings={path: value}, label="--set")
+    assert str(caught.value).startswith(message)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(InputError, match=r"no such file and no built-in study, did you mean 'paper'\?"):
+        find_study("papr")
+    with pytest.raises(InputError, match="cannot be read: No such file"):
+        read_study(tmp_path / "missing.toml")
+    (tmp_path / "bad.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(InputError, match="is no text file: byte 0"):
+        read_study(tmp_path / "bad.toml")
+    (tmp_path / "study.toml").write_text("")
+    assert find_study(tmp_path) == tmp_path / "study.toml"
+    assert find_study(str(tmp_path / "study.toml")) == tmp_path / "study.toml"
+
+
+def test_the_template_is_the_default_study_with_everything_explained():
+    text = template()
+    assert parse(text) == parse("")
+    kept = []
+    for line in text.replace('#preset = "medium"\n', "").splitlines():
+        if line.startswith("# With kind"):
+            kept.append("skip")
+        elif line.startswith("["):
+            kept = [part for part in kept if part != "skip"] + [line]
+        elif kept[-1:] == ["skip"] or line.startswith("# ") or "no default" in line:
+            continue
+        else:
+            kept.append(line.removeprefix("#"))
+    switched_on = "\n".join(kept)
+    assert switched_on.count("\n") > 40
+    assert parse(switched_on) == parse("")
+    for name, table in parse("").tables().items():
+        for key in table:
+            assert key in text, f"{name}.{key} is not in the template"
+    assert max(len(line) for line in text.splitlines()) <= 120
