@@ -61,7 +61,12 @@ def test_with_pillars_and_mean_radius_of_none():
 @pytest.mark.parametrize(
     ("outer", "pillars", "sides", "words"),
     [
-        (SQUARE, [disk(3, 3), disk(7, 7), disk(8.5, 7)], list("abcd"), r"pillars 1 and 2 overlap or touch \(shared area"),
+        (
+            SQUARE,
+            [disk(3, 3), disk(7, 7), disk(8.5, 7)],
+            list("abcd"),
+            r"pillars 1 and 2 overlap or touch \(shared area",
+        ),
         (SQUARE, [disk(5, 5, 3), disk(5, 5)], list("abcd"), "pillars 0 and 1 overlap"),
         (SQUARE, [disk(3, 3), disk(9.5, 5)], list("abcd"), "pillar 1 is not strictly inside the outer outline"),
         (SQUARE, [[(0, 4), (2, 4), (1, 5)]], list("abcd"), "pillar 0 is not strictly inside"),

@@ -38,8 +38,8 @@ def test_few_pillars():
 
 def test_exactly_the_distance_does_not_count():
     square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
-    assert len(near_pairs([square, square + (1.5, 0)], 0.5)) == 0
-    assert len(near_pairs([square, square + (1.5, 0)], 0.5000001)) == 1
+    assert len(near_pairs([square, square + np.array([1.5, 0])], 0.5)) == 0
+    assert len(near_pairs([square, square + np.array([1.5, 0])], 0.5000001)) == 1
 
 
 @pytest.mark.parametrize("distance", [-1.0, np.nan])

@@ -89,7 +89,7 @@ def check_mesh():
         outline = np.concatenate([*domain.pillars, domain.outer])
         assert np.array_equal(points[: len(outline)], outline)
         assert np.array_equal(np.unique(triangles), np.arange(len(points)))
-        # Euler: V - E + F = 1 - holes
+        # Euler's formula with one hole for each pillar
         neighbours = adjacency(triangles, len(points))
         count = (3 * len(triangles) + np.count_nonzero(neighbours < 0)) // 2
         assert len(points) - count + len(triangles) == 1 - len(domain.pillars)

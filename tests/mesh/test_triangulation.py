@@ -38,11 +38,13 @@ def test_quality_of_known_triangles():
     assert quality[0] == pytest.approx(1.0)
     assert quality[1] == pytest.approx(2e-5, rel=1e-3)
     assert quality[2] == pytest.approx(2 * 1.0 / 2.5)
-    assert smallest_angles(points, triangles) == pytest.approx([60, np.degrees(1e-5), np.degrees(np.arctan(0.75))], rel=1e-3)
+    assert smallest_angles(points, triangles) == pytest.approx(
+        [60, np.degrees(1e-5), np.degrees(np.arctan(0.75))], rel=1e-3
+    )
     assert edge_lengths(points, triangles)[2] == pytest.approx([5, 3, 4])
 
 
-def test_quality_is_twice_the_ratio_of_radii(rng=None):
+def test_quality_is_twice_the_ratio_of_radii():
     rng = np.random.default_rng(0)
     points = rng.random((300, 2))
     triangles = np.arange(300, dtype=np.int32).reshape(-1, 3)
@@ -70,7 +72,10 @@ def test_neighbours_are_mutual(make_plexus):
     [
         ({"triangles": [(0, 2, 1), (0, 2, 3)]}, "triangle 0 is not counter-clockwise"),
         ({"points": POINTS * (1, 0)}, "is not counter-clockwise: its area is 0"),
-        ({"triangles": [(0, 1, 2), (0, 2, 3), (0, 1, 2)]}, "edge 1-2 is used twice|edge 0-1 is used twice|edge 2-0 is used"),
+        (
+            {"triangles": [(0, 1, 2), (0, 2, 3), (0, 1, 2)]},
+            "edge 1-2 is used twice|edge 0-1 is used twice|edge 2-0 is used",
+        ),
         ({"boundary_edges": EDGES[:3], "boundary_tags": TAGS[:3]}, "4 edges have one triangle, but other 3"),
         ({"boundary_edges": [(1, 0), (1, 2), (2, 3), (3, 0)]}, "4 edges have one triangle"),
         ({"boundary_tags": TAGS[:3]}, "need as many tags"),

@@ -91,7 +91,7 @@ def generate_mesh(
     walls = walls_of(domain)
     field = size_field(walls, edge_length, wall, across, grading)
     _check_field(domain, walls, field, max_triangles)
-    draft = _first_draft(walls, field, max_triangles)
+    draft = first_draft(walls, field, max_triangles)
     for _ in range(iterations):
         retriangulate(draft)
         relax_truss(draft)
@@ -163,7 +163,7 @@ def _between(domain: Domain, one: int, other: int) -> str:
     return f"parts of {names[0]}" if one == other else f"{names[0]} and {names[1]}"
 
 
-def _first_draft(walls: Walls, field: SizeField, max_triangles: int) -> Draft:
+def first_draft(walls: Walls, field: SizeField, max_triangles: int) -> Draft:
     """Place all nodes and triangulate the fluid."""
     on_wall, edges, segment = wall_nodes(walls, field)
     field = with_wall_edges(field, on_wall, edges)

@@ -33,10 +33,10 @@ def predicted_triangles(walls: Walls, field: SizeField, area: float) -> tuple[fl
     dearest : float
         Triangles in the passage that takes most.
     passage : (int, int, float)
-        The two outlines of that passage (numbered as in `Walls`) and its smallest width; (-1, -1, inf) if none.
+        The two outlines of that passage (numbered as in `Walls`) and its smallest width; (-1, -1, inf): none.
     """
-    # Strategy: the open fluid at the largest size; a strip along each wall, in which the size grows from the wall's; but
-    # in front of each passage sample, half of the passage's width, if that is less than such a strip.
+    # Strategy: the open fluid at the largest size; a strip along each wall, in which the size grows from the wall's;
+    # but in front of each passage sample, half of the passage's width, if that is less than such a strip.
     passages = field.passages
     covered = np.bincount(passages.segment, weights=passages.share, minlength=len(walls.lengths))
     open_wall = np.maximum(walls.lengths - covered, 0.0)

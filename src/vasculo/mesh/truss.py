@@ -73,18 +73,18 @@ def relax_plain(
         np.add.at(force, a, -push)
         np.add.at(force, b, push)
         velocities[:] = (velocities + time_step * force) / (1.0 + damping * time_step)
-        velocities[:fixed] = 0.0
+        velocities[fixed] = 0.0
         old = points.copy()
         points += time_step * velocities
-        while True:
-            p, q, r = (points[triangles[:, i]] for i in range(3))
-            twice = (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) - (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
-            bad = triangles[twice < least].ravel()
-            moved = bad[(points[bad] != old[bad]).any(axis=1)]
-            if not len(moved):
-                break
-            points[bad] = old[bad]
-            velocities[bad] = 0.0
+        held = True
+        while held:
+            held = False
+            for corners, limit in zip(triangles, least, strict=True):
+                p, q, r = points[corners]
+                if (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) < limit:
+                    held |= bool((points[corners] != old[corners]).any())
+                    points[corners] = old[corners]
+                    velocities[corners] = 0.0
 
 
 @njit(cache=True, error_model="numpy")

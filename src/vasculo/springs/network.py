@@ -212,9 +212,7 @@ class SpringNetwork:
         The bound of the squared frequency is w^2 <= (2 sum of the stiffnesses at a node + tether) / mass.
         """
         self._check()
-        free = ~self.pinned
-        limits = longest_step(self._sums[free] + self.tether, self.masses[free], self.damping)
-        return float(limits.min(initial=np.inf))
+        return float(self._node_limits().min())
 
     def advance(
         self,
@@ -335,14 +333,19 @@ class SpringNetwork:
         self._check()
         return self._rows
 
+    def _node_limits(self) -> Floats:
+        """Bound of the time step of each node alone (n,); infinite for pinned nodes."""
+        limits = longest_step(self._sums + self.tether, self.masses, self.damping)
+        return np.where(self.pinned, np.inf, limits)
+
     def _check_step(self, dt: float) -> None:
         """Refuse a time step above the stability limit; the bound first, the exact limit only where it matters."""
-        if dt <= self.safe_limit():
+        limits = self._node_limits()
+        if dt <= limits.min():
             return
         limit = self.stability_limit()
         if dt > limit:
-            free = np.flatnonzero(~self.pinned)
-            worst = int(free[np.argmin(longest_step(self._sums[free] + self.tether, self.masses[free], self.damping))])
+            worst = int(np.argmin(limits))
             raise InputError(
                 f"time step {dt:.6g} exceeds the stability limit {limit:.6g} (largest node stiffness "
                 f"{0.5 * self._sums[worst] + self.tether:.6g} at node {worst}, mass {self.masses[worst]:.6g}, "
