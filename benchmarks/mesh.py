@@ -6,6 +6,8 @@ Run with `python benchmarks/mesh.py [pillars ...]`; one core is used.
 import resource
 import sys
 import time
+from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 import shapely
@@ -17,9 +19,11 @@ from vasculo.mesh.generate import generate_mesh
 from vasculo.mesh.matrix import matrix_springs
 from vasculo.mesh.quality import smallest_angles
 
+Result = TypeVar("Result")
+
 
 def plexus(count: int, gap: float, seed: int = 0) -> Domain:
-    """Rounded, inset Voronoi cells, mean radius about 1, membrane nodes 0.18 apart, all passages `gap` wide."""
+    """Make rounded, inset Voronoi cells, mean radius about 1, membrane nodes 0.18 apart, all passages `gap` wide."""
     side = np.sqrt(count * np.pi * (1.0 + 0.5 * gap) ** 2)
     points = np.random.default_rng(seed).random((count, 2)) * side
     for _ in range(3):
@@ -39,12 +43,12 @@ def plexus(count: int, gap: float, seed: int = 0) -> Domain:
     return Domain(outer, outlines, ("bottom", "right", "top", "left"))
 
 
-def best(call, repeats: int = 3):
-    """Shortest time of a few calls, and the last result."""
+def best(call: Callable[..., Result], *arguments: object, **named: object) -> tuple[float, Result]:
+    """Shortest time of three calls, and their result."""
     times = []
-    for _ in range(repeats):
+    for _ in range(3):
         start = time.perf_counter()
-        result = call()
+        result = call(*arguments, **named)
         times.append(time.perf_counter() - start)
     return min(times), result
 
@@ -61,14 +65,14 @@ def main() -> None:
         for gap in (0.55, 0.2):
             domain = plexus(count, gap)
             for across in (0, 2, 3):
-                seconds, mesh = best(lambda: generate_mesh(domain, 0.7, 0.18, across=across))
+                seconds, mesh = best(generate_mesh, domain, 0.7, 0.18, across=across)
                 quality = mesh.quality()
                 angle = smallest_angles(mesh.points, mesh.triangles).min()
                 print(
                     f"{len(domain.pillars):7d} {gap:4.2f} {across:7d} {len(quality):10d} {seconds:8.2f} "
                     f"{len(quality) / seconds:12.0f} {quality.mean():.3f} {quality.min():6.3f} {angle:6.1f}"
                 )
-            seconds, matrix = best(lambda: matrix_springs(domain, 0.45))
+            seconds, matrix = best(matrix_springs, domain, 0.45)
             print(f"{len(domain.pillars):7d} {gap:4.2f}  matrix {len(matrix.triangles):10d} {seconds:8.2f}")
     print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 

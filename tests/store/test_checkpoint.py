@@ -84,7 +84,7 @@ def test_a_failed_save_leaves_the_one_before(tmp_path, monkeypatch, fab):
 
 def test_missing_damaged_and_foreign(tmp_path):
     path = tmp_path / "checkpoint.h5"
-    with pytest.raises(InputError, match="there is no checkpoint.h5"):
+    with pytest.raises(InputError, match=r"there is no checkpoint\.h5"):
         Checkpoint.load(path)
     path.write_bytes(b"rubbish")
     with pytest.raises(InputError, match="no readable checkpoint"):

@@ -72,11 +72,15 @@ def test_the_first_failure_stays(tmp_path, monkeypatch):
 
 def test_ctrl_c_waits():
     seen = []
-    with pytest.raises(KeyboardInterrupt):
+
+    def work():
         with uninterrupted():
             signal.raise_signal(signal.SIGINT)
             seen.append("block done")
         seen.append("never")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
     assert seen == ["block done"]
 
 

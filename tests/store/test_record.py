@@ -6,8 +6,9 @@ import pytest
 import pyvista
 
 from vasculo.errors import InputError
+from vasculo.store.frames import BOUNDARY, FLUID, SPRING, edge_rows
 from vasculo.store.read import open_run
-from vasculo.store.record import BOUNDARY, FLUID, SPRING, Record, edge_rows
+from vasculo.store.record import Record
 
 
 def test_everything_reads_back(folder, steps, fab):

@@ -10,8 +10,9 @@ from vasculo.errors import ComputationError, InputError
 from vasculo.store.read import open_run
 from vasculo.study import job as job_module
 from vasculo.study.folder import Log, free_folder, new_folder, old_folder
+from vasculo.study.invariants import MASS_LIMIT
 from vasculo.study.run import Interrupted, run
-from vasculo.study.watch import MASS_LIMIT, Silence
+from vasculo.study.watch import Silence
 
 FILES = {"study.toml", "run.vtkhdf", "metrics.csv", "checkpoint.h5", "log.txt"}
 
@@ -37,10 +38,10 @@ class StopAt(Silence):
         self.wanted = stage, step
         self.stage = ""
 
-    def begin(self, stage, text):
+    def begin(self, stage, _):
         self.stage = stage
 
-    def advance(self, done, total, text):
+    def advance(self, done, _total, _text):
         if self.stage == self.wanted[0] and done >= self.wanted[1]:
             raise KeyboardInterrupt
 
@@ -126,7 +127,7 @@ def test_finished_stages_are_not_done_again(tissue_run, tiny_tissue, tmp_path, m
     assert_same(run("small", tmp_path / "half", tiny_tissue, resume=True), tissue_run)
 
 
-def test_resuming_a_complete_run_changes_nothing(disk_run, tiny_disk, tmp_path):
+def test_resuming_a_complete_run_changes_nothing(tiny_disk, tmp_path):
     before = run("disk", tmp_path / "run", tiny_disk)
     assert_same(run(out=tmp_path / "run", resume=True), before)
     assert open_run(tmp_path / "run").complete
@@ -163,7 +164,7 @@ def test_resume_needs_its_files(tiny_disk, tmp_path):
         run(out=folder, resume=True)
     (folder / "study.toml").write_text(study)
     (folder / "run.vtkhdf").unlink()
-    with pytest.raises(InputError, match="there is no run.vtkhdf"):
+    with pytest.raises(InputError, match=r"there is no run\.vtkhdf"):
         run(out=folder, resume=True)
 
 
@@ -210,7 +211,7 @@ def test_a_full_disk_ends_in_one_line_and_can_be_resumed(disk_run, tiny_disk, tm
     monkeypatch.setattr("shutil.disk_usage", lambda _: Usage)
 
     class Fill(Silence):
-        def advance(self, done, total, text):
+        def advance(self, done, _total, _text):
             if done == 1:
                 Usage.free = 1000
 

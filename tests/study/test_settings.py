@@ -73,11 +73,11 @@ def test_assignments(text, pair):
 
 @pytest.mark.parametrize("text", ["a.b", "a.b=", "=3", "="])
 def test_no_assignment(text):
-    with pytest.raises(InputError, match="give section.key=value"):
+    with pytest.raises(InputError, match=r"give section\.key=value"):
         parse_assignment(text)
 
 
-@pytest.mark.parametrize("value", [True, 3, -0.1, 1e300, "a\"b\\c\nd\te", [1, "x"], 0.1 + 0.2])
+@pytest.mark.parametrize("value", [True, 3, -0.1, 1e300, 'a"b\\c\nd\te', [1, "x"], 0.1 + 0.2])
 def test_toml_values_read_back(value):
     import tomllib
 
@@ -105,7 +105,10 @@ WRONG = [
     ("[extraction]\nfluid_fraction = 2.0", "study.toml: extraction.fluid_fraction must lie between 0 and 1"),
     ("[domain]\nkind = 'box'", "study.toml: domain.kind = 'box' must be one of 'tissue', 'voronoi', 'disk'"),
     ("[domain]\nkind = 3", "study.toml: domain.kind = 3 must be one of"),
-    ("[domain]\nkind = 'disk'\n[tissue]\nnodes = 99", "study.toml: [tissue] has no use in a study with domain.kind = 'disk'"),
+    (
+        "[domain]\nkind = 'disk'\n[tissue]\nnodes = 99",
+        "study.toml: [tissue] has no use in a study with domain.kind = 'disk'",
+    ),
     ("[domain]\nradius = 2.0", "study.toml: unknown key domain.radius"),
     ("[domain]\nkind = 'disk'\nradius = 9.0", "study.toml: [domain] a disk of radius 9"),
     ("[domain]\nkind = 'disk'\n[study]\nuntil = 'extraction'", "study.toml: study.until = 'extraction' does not fit"),

@@ -8,7 +8,9 @@ import pytest
 from vasculo.errors import ComputationError
 from vasculo.store.read import open_run
 from vasculo.store.record import Record
-from vasculo.study.watch import GrowthInvariants, GrowthRecorder, RemodelInvariants, Table, growth_progress, in_turn
+from vasculo.study.invariants import check_growth, check_remodelling
+from vasculo.study.recorders import GrowthRecorder, Table
+from vasculo.study.watch import growth_progress, in_turn
 from vasculo.tissue.lattice import lattice
 
 
@@ -17,14 +19,19 @@ def growth(phase, step, points=None):
     if points is not None:
         network.points = points
     return SimpleNamespace(
-        phase=phase, step=step, steps_total=100, time=0.2 * step, void_fraction=0.1, voids=3, residual=0.5, network=network
+        phase=phase,
+        step=step,
+        steps_total=100,
+        time=0.2 * step,
+        void_fraction=0.1,
+        voids=3,
+        residual=0.5,
+        network=network,
     )
 
 
 def remodelled(**changes):
-    flow = SimpleNamespace(
-        velocity=np.ones((3, 2)), pressure=np.ones(3), wall_shear=np.ones(2), mass_imbalance=1e-12, **{}
-    )
+    flow = SimpleNamespace(velocity=np.ones((3, 2)), pressure=np.ones(3), wall_shear=np.ones(2), mass_imbalance=1e-12)
     for name, value in changes.items():
         if name != "areas":
             setattr(flow, name, value)
@@ -33,11 +40,11 @@ def remodelled(**changes):
 
 
 def test_a_node_that_is_lost_stops_the_run():
-    GrowthInvariants()(growth("growth", 1))
+    check_growth(growth("growth", 1))
     points = lattice(60, 0).points
     points[[4, 9]] = np.nan
     with pytest.raises(ComputationError, match=r"vasculogenesis step 12 .* 2 of 60 nodes .* the first is node 4"):
-        GrowthInvariants()(growth("growth", 12, points))
+        check_growth(growth("growth", 12, points))
 
 
 @pytest.mark.parametrize(
@@ -51,9 +58,9 @@ def test_a_node_that_is_lost_stops_the_run():
     ],
 )
 def test_broken_invariants_stop_the_run(changes, message):
-    RemodelInvariants()(remodelled())
+    check_remodelling(remodelled())
     with pytest.raises(ComputationError, match=message):
-        RemodelInvariants()(remodelled(**changes))
+        check_remodelling(remodelled(**changes))
 
 
 def test_first_and_last_of_each_phase_are_recorded(tmp_path):

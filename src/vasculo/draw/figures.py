@@ -94,7 +94,7 @@ def growth_stages(run: Run) -> tuple[int, int, int]:
 
 
 def iterations(run: Run, count: int = 6, bias: float = 1.0) -> list[int]:
-    """At most `count` recorded steps of the angiogenesis, with the first and the last; a bias above 1 favours early ones."""
+    """Spread at most `count` recorded steps over the angiogenesis, first and last among them; bias > 1 favours early ones."""
     steps = run.steps("angiogenesis")
     last = len(steps) - 1
     shares = [(i / max(1, count - 1)) ** bias for i in range(count)]

@@ -120,8 +120,8 @@ def _check_numbers(
             raise InputError(f"{name} must be a positive length, not {value}")
     if not 0.0 <= across <= 100.0:
         raise InputError(f"across must lie between 0 and 100 triangles, not {across}")
-    if not 0.01 <= grading <= 1.0:
-        raise InputError(f"grading must lie between 0.01 and 1, not {grading}")
+    if not 0.01 <= grading <= 0.5:
+        raise InputError(f"grading must lie between 0.01 and 0.5, not {grading}")
     if not 0 <= iterations <= 1000:
         raise InputError(f"iterations must lie between 0 and 1000, not {iterations}")
     if max_triangles < 1:

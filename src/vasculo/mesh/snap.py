@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vasculo.mesh.improve import stars
 from vasculo.mesh.quality import triangle_quality
 from vasculo.mesh.triangulation import adjacency
 
@@ -47,10 +48,13 @@ def snap_to_walls(draft: Draft, near: float = NEAR) -> int:
     close = (height < near * draft.sizes[apex]) & (np.abs(foot - 0.5) < 0.5 - MIDDLE) & ~draft.fixed[apex]
     chosen = np.flatnonzero(close)
     # Strategy: nearest first; a node whose star shares a triangle with an earlier one waits for the next round.
+    if not len(chosen):
+        return 0
+    first, corners = stars(triangles, len(points))
     gone, taken = [], np.zeros(len(points), dtype=bool)
     for e in chosen[np.argsort(height[chosen], kind="stable")]:
         node = apex[e]
-        star = np.flatnonzero((triangles == node).any(axis=1))
+        star = corners[first[node] : first[node + 1]] // 3
         around = triangles[star]
         if taken[around].any():
             continue

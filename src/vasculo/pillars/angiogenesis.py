@@ -171,7 +171,9 @@ def sense(domain: Domain, state: RemodelState, parameters: Angiogenesis) -> Sens
     active = np.zeros(len(shear))
     if not parameters.is_hanging:
         active = activation(shear, state.points, state.starts)
-    traction = node_traction(flow, state.points, state.starts)
+    traction = np.zeros((len(shear), 2))
+    if parameters.traction > 0.0:
+        traction = node_traction(flow, state.points, state.starts)
     seconds = {"mesh": meshed - clock, "flow": solved - meshed, "cells": perf_counter() - solved}
     return Sensed(mesh, flow, shear, active, traction, seconds)
 

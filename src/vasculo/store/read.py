@@ -15,8 +15,9 @@ import numpy as np
 from vasculo.errors import InputError
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.triangulation import Triangulation
+from vasculo.store.frames import BOUNDARY
 from vasculo.store.ragged import Ragged
-from vasculo.store.record import BOUNDARY, FORMAT, first_line
+from vasculo.store.record import FORMAT, first_line
 from vasculo.store.table import COLUMNS, STAGES
 from vasculo.store.vtkhdf import TransientGrid
 

@@ -25,11 +25,11 @@ class Bars:
         self._console = Console(stderr=True, quiet=quiet, highlight=False)
         self._live = self._console.is_terminal and not quiet
         self._progress = Progress(
-            TextColumn("{task.fields[stage]:<15}"),
+            TextColumn("{task.fields[stage]:<15}", markup=False),
             BarColumn(bar_width=24),
             TaskProgressColumn(),
             TimeElapsedColumn(),
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             console=self._console,
             disable=not self._live,
         )
@@ -60,4 +60,6 @@ class Bars:
         self._progress.update(self._task, completed=1, total=1, description=text)
         self._progress.stop_task(self._task)
         if not self._live:
-            self._console.print(f"{self._stage:<15} {perf_counter() - self._clock:7.1f} s  {text}", soft_wrap=True)
+            self._console.print(
+                f"{self._stage:<15} {perf_counter() - self._clock:7.1f} s  {text}", soft_wrap=True, markup=False
+            )

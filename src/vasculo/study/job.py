@@ -14,6 +14,8 @@ from vasculo.plexus.extract import extract
 from vasculo.store.read import CHECKPOINT
 from vasculo.study import watch
 from vasculo.study.drawn import drawn_domain
+from vasculo.study.invariants import check_growth, check_remodelling
+from vasculo.study.recorders import GrowthRecorder, RemodelRecorder
 from vasculo.study.schema import parameter_meanings
 from vasculo.study.sections import meanings_of
 from vasculo.tissue.lattice import lattice
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from vasculo.store.checkpoint import Checkpoint
     from vasculo.store.record import Record
     from vasculo.study.folder import Log
+    from vasculo.study.recorders import Table
     from vasculo.study.settings import Settings
 
 
@@ -52,7 +55,7 @@ class Job:
     settings: Settings
     folder: Path
     record: Record
-    table: watch.Table
+    table: Table
     log: Log
     checkpoint: Checkpoint
     progress: watch.Progress
@@ -87,8 +90,8 @@ class Job:
         settings = self.settings
         tissue = lattice(**settings.tissue, seed=settings.study.seed)
         self.log.line(f"vasculogenesis: {len(tissue.points)} nodes, {len(tissue.springs)} springs")
-        recorder = watch.GrowthRecorder(self.record, self.table, settings.output.growth_every)
-        seen = watch.in_turn(watch.GrowthInvariants(), recorder, watch.growth_progress(self.progress))
+        recorder = GrowthRecorder(self.record, self.table, settings.output.growth_every)
+        seen = watch.in_turn(check_growth, recorder, watch.growth_progress(self.progress))
         plexus = grow_plexus(tissue, settings.vasculogenesis, settings.study.seed, seen)
         recorder.flush()
         self.checkpoint.plexus = plexus
@@ -118,13 +121,15 @@ class Job:
         start = checkpoint.state
         if start is not None:
             self.log.line(f"angiogenesis: goes on behind step {start.step}")
-        recorder = watch.RemodelRecorder(
+        recorder = RemodelRecorder(
             self.record, self.table, checkpoint, self.folder / CHECKPOINT, settings.output.step_every
         )
-        seen = watch.in_turn(watch.RemodelInvariants(), recorder, watch.remodel_progress(self.progress))
+        seen = watch.in_turn(check_remodelling, recorder, watch.remodel_progress(self.progress))
         final = remodel(self._start, settings.angiogenesis, seen, start=start)
         before, merges = len(self._start.pillars), checkpoint.state.merges_total if checkpoint.state else 0
-        self._result = f"pillars {before} to {len(final.pillars)}, mergers {merges}, steps {settings.angiogenesis.steps}"
+        self._result = (
+            f"pillars {before} to {len(final.pillars)}, mergers {merges}, steps {settings.angiogenesis.steps}"
+        )
 
     def _keep(self, domain: Domain) -> None:
         """Keep the domain before the remodelling."""

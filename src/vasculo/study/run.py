@@ -16,8 +16,9 @@ from vasculo.store.table import write_whole
 from vasculo.study.builtin import find_study
 from vasculo.study.folder import Log, new_folder, old_folder
 from vasculo.study.job import Job, peak_memory
+from vasculo.study.recorders import Table
 from vasculo.study.settings import Settings, parse_study, read_study
-from vasculo.study.watch import Silence, Table
+from vasculo.study.watch import Silence
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

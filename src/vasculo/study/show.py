@@ -27,15 +27,13 @@ _SHOWN = {
         "aspect_ratio",
         "mean_gap",
         "permeability",
-        "mean_wall_shear",
-        "triangles",
     ),
 }
 
 
 def show_end(run: Run) -> None:
     """Print the table of stages and where everything lies."""
-    console = Console(highlight=False)
+    console = _console()
     table = _table("stage", "seconds", "peak MB", "result")
     stages = run.facts("stages")
     for stage in stages:
@@ -51,9 +49,12 @@ def show_end(run: Run) -> None:
 
 def show_numbers(run: Run) -> None:
     """Print rows of the table, thinned, and the pillars of the last step."""
-    console = Console(highlight=False)
+    console = _console()
     if not run.complete:
-        console.print(f"incomplete: the run stopped before its end; vasculo run --resume --out {run.folder} goes on", soft_wrap=True)
+        console.print(
+            f"incomplete: the run stopped before its end; vasculo run --resume --out {run.folder} goes on",
+            soft_wrap=True,
+        )
     for stage in STAGES:
         rows = np.flatnonzero(run.metrics["stage"] == stage)
         if not len(rows):
@@ -94,11 +95,19 @@ def _show_pillars(run: Run, console: Console) -> None:
     console.print(text, soft_wrap=True)
 
 
+def _console() -> Console:
+    """Make a console as wide as the terminal, or wide enough for every table where there is none."""
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console.width = 160
+    return console
+
+
 def _table(*columns: str, title: str | None = None) -> Table:
     table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for number, name in enumerate(columns):
         text = name in {"stage", "result"} or (number == 0 and " " in name)
-        table.add_column(name, justify="left" if text else "right", overflow="fold")
+        table.add_column(name, justify="left" if text else "right", no_wrap=name != "result", overflow="fold")
     return table
 
 

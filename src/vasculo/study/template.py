@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import textwrap
+
 from vasculo.study.schema import keys_of
 from vasculo.study.sections import DOMAIN_KINDS, ORDER, SECTIONS, Section, domain_section
 from vasculo.study.settings import toml_value
