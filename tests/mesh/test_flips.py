@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
@@ -74,11 +74,13 @@ def test_grid_of_cocircular_points_comes_to_rest():
 
 
 @settings(deadline=None, max_examples=60)
+@example(seed=364, count=183)  # flips that undo each other
+@example(seed=560, count=188)
 @given(seed=st.integers(0, 10**6), count=st.integers(10, 200))
 def test_wanted_edges_appear(seed, count):
     points, triangles, neighbours = random_mesh(seed, count)
     area = signed_areas(points, triangles).sum()
-    # long edges that do not cross: between points sorted by x, above and below the rest
+    # the longest way there is: from the leftmost node to the rightmost
     order = 4 + np.argsort(points[4:, 0])
     wanted = np.array([(order[0], order[-1])], dtype=np.int32)
     at = np.empty(len(points), dtype=np.int32)

@@ -155,3 +155,16 @@ def test_a_step_that_fails_names_itself_after_the_steps_before_it(monkeypatch):
     with pytest.raises(ComputationError, match=r"remodelling step 2: .* not finite .* pillar 0"):
         angiogenesis.remodel(four_in_two_rows(), Angiogenesis(steps=3), seen.append)
     assert [step.step for step in seen] == [0, 1]
+
+
+def test_a_flow_that_fails_in_a_later_step_names_the_step(monkeypatch):
+    sense = angiogenesis.sense
+
+    def fails_in_step_one(domain, state, parameters):
+        if state.step == 1:
+            raise InputError("no mesh")
+        return sense(domain, state, parameters)
+
+    monkeypatch.setattr(angiogenesis, "sense", fails_in_step_one)
+    with pytest.raises(ComputationError, match=r"^remodelling step 1: no mesh$"):
+        angiogenesis.remodel(four_in_two_rows(), Angiogenesis(steps=2))

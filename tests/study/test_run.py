@@ -235,6 +235,8 @@ def test_folders(tmp_path, monkeypatch):
     (new_folder("disk", None) / "study.toml").write_text("")
     assert str(old_folder("disk", None)) == "runs/disk-2"
     assert old_folder("chains", "runs/disk") == first
+    with pytest.raises(InputError, match=r"holds a study\.toml that the run would replace"):
+        new_folder("disk", "runs/disk")
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be made"):
         new_folder("disk", tmp_path / "file")

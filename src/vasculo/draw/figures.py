@@ -56,7 +56,8 @@ def pictures(run: Run) -> list[Picture]:
             found.append(_EXTRACTION)
     if remodelled:
         alone = len(run.pillars(remodelled[0]).outlines) == 1
-        found += [_FLOW, _DISK if alone else _CHAINS, _SHEAR]
+        hanging = run.settings.get("angiogenesis", {}).get("cells") == "hanging"
+        found += [_FLOW, _HANGING if hanging else _DISK if alone else _CHAINS, _SHEAR]
     if run.steps("vasculogenesis"):
         found.append(_GROWTH)
     if remodelled:
@@ -94,7 +95,7 @@ def growth_stages(run: Run) -> tuple[int, int, int]:
 
 
 def iterations(run: Run, count: int = 6, bias: float = 1.0) -> list[int]:
-    """Spread at most `count` recorded steps over the angiogenesis, first and last among them; bias > 1 favours early ones."""
+    """Spread at most `count` recorded steps over the angiogenesis, ends included; a bias above 1 favours early ones."""
     steps = run.steps("angiogenesis")
     last = len(steps) - 1
     shares = [(i / max(1, count - 1)) ** bias for i in range(count)]
@@ -166,7 +167,7 @@ def _grid(box: Box, count: int) -> tuple[int, int, float, float]:
     columns = 1 if count == 1 else 2 if 1.0 / ratio > _WIDE else min(3, count)
     rows = -(-count // columns)
     width = 9.6 if count > 1 else 7.0
-    return rows, columns, width, rows * (width / columns * ratio + 0.3)
+    return rows, columns, width, rows * (width / columns * ratio + 0.2)
 
 
 def _draw_iterations(run: Run) -> Figure:
@@ -191,16 +192,17 @@ def _draw_shear(run: Run) -> Figure:
     box = mesh_box(flows[0].mesh)
     rows, columns, width, height = _grid(box, len(steps))
     figure = new_figure(width, height + 0.5)
-    top = shear_scale(flows[0])
+    top = max(shear_scale(flow) for flow in flows)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, flow, step in zip(grid, flows, steps, strict=True):
         lines = draw_shear(axes, flow, run.pillars(step).outlines, box, f"step {step}", top)
     bar = figure.colorbar(lines, ax=list(grid), location="bottom", shrink=0.5, aspect=50, pad=0.02, extend="max")
     bar.ax.tick_params(labelsize=7)
-    factor = run.settings.get("units", {}).get("shear")
+    unit, factor = "model pressure", run.settings.get("units", {}).get("shear")
     if factor is not None:
+        unit = "dyn/cm2"
         bar.ax.xaxis.set_major_formatter(lambda value, _: f"{value * factor:.3g}")
-    bar.set_label(f"wall shear, {'dyn/cm2' if factor else 'model pressure'}; centre: mean at step 0", fontsize=7.5)
+    bar.set_label(f"wall shear, {unit}; centre: the larger mean of the two", fontsize=7.5)
     return figure
 
 
@@ -245,6 +247,13 @@ _CHAINS = Picture(
     "fig5-chains",
     "Pillars over the iterations (Fig 5)",
     "Pillars and speed at different iterations; flow from the left, one scale of speed for all panels.",
+    _draw_iterations,
+)
+_HANGING = Picture(
+    "hanging",
+    "The control: pillars without interior",
+    "Pillars that hang freely in the matrix, moved by the wall traction alone: they shift, but "
+    "neither align nor merge.",
     _draw_iterations,
 )
 _SHEAR = Picture(

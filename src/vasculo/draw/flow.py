@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vasculo.store.read import FlowFields
 
 CLIP = 99.5  # percentile of the node speeds that is drawn brightest
-_GAMMA = 0.6  # lifts slow passages out of the dark; a single pillar in a wide channel needs none
+_GAMMA = 0.5  # lifts slow passages out of the dark; a single pillar in a wide channel needs none
 
 
 def node_speed(flow: FlowFields) -> NDArray[np.float64]:

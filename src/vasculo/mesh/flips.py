@@ -147,13 +147,14 @@ def recover_edges(points: Floats, triangles: Ints, neighbours: Ints, wanted: Int
         for k in range(3):
             at[triangles[t, k]] = t
     # Strategy: walk from a to b over the crossed edges. Flip the first one whose flip leaves fewer crossings; if
-    # there is none, flip the n-th that can be flipped at all, n changing from try to try so that flips do not undo
-    # each other.
+    # there is none, flip one that can be flipped at all, drawn by a linear congruence so that flips that undo each other
+    # do not go on for ever.
+    draw = np.int64(1)
     for w in range(len(wanted)):
         a = wanted[w, 0]
         b = wanted[w, 1]
         tries = 0
-        limit = 1000
+        limit = 100_000
         while True:
             t = at[a]
             found = False
@@ -196,10 +197,11 @@ def recover_edges(points: Floats, triangles: Ints, neighbours: Ints, wanted: Int
                         spare_t = t
                         spare_i = i
                         break
-                    if spares <= tries % 7:
+                    spares += 1
+                    draw = (draw * 1103515245 + 12345) & 0x7FFFFFFF
+                    if (draw >> 8) % spares == 0:
                         spare_t = t
                         spare_i = i
-                    spares += 1
                 if q == b:
                     break
                 if turn(points, a, b, q) > 0.0:

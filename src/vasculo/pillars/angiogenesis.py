@@ -99,13 +99,16 @@ def remodel(
     if start is None:
         state = _with_shear_unit(state, sensed)
         _show(watch, domain, state, sensed, parameters, (), None, 0.0)
-    while state.step < parameters.steps:
+    for step in range(state.step + 1, parameters.steps + 1):
         clock = perf_counter()
-        loads = sensed.traction * (parameters.traction / (state.shear_unit * state.length_unit))
-        motion = move(domain, state, sensed.activation, loads, parameters)
-        domain, state, merges = settle(domain, state, motion, parameters)
-        cells = perf_counter() - clock
-        sensed = sense(domain, state, parameters)
+        try:
+            loads = sensed.traction * (parameters.traction / (state.shear_unit * state.length_unit))
+            motion = move(domain, state, sensed.activation, loads, parameters)
+            domain, state, merges = settle(domain, state, motion, parameters)
+            cells = perf_counter() - clock
+            sensed = sense(domain, state, parameters)
+        except (InputError, ComputationError) as error:
+            raise ComputationError(f"remodelling step {step}: {error}") from error
         _show(watch, domain, state, sensed, parameters, merges, motion, cells)
     return domain
 
@@ -140,10 +143,7 @@ def settle(
         spacing,
         step,
     )
-    try:
-        domain = domain.with_pillars(outlines)
-    except InputError as error:
-        raise ComputationError(f"remodelling step {step}: {error}") from error
+    domain = domain.with_pillars(outlines)
     time = state.time + motion.share * (1.0 if parameters.is_hanging else abs(parameters.activation))
     points, starts = stack(domain.pillars)
     total = state.merges_total + len(merges)

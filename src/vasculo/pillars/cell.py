@@ -69,7 +69,7 @@ def node_lengths(points: NDArray[np.float64], starts: NDArray[np.int32]) -> NDAr
 
 
 @njit(cache=True, error_model="numpy")
-def _filaments(points, starts, share, activation, strain, stiffness, reach):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN202
+def _filaments(points, starts, share, activation, strain, stiffness, reach):  # type: ignore[no-untyped-def]
     total = 0
     for k in range(starts.size - 1):
         n = starts[k + 1] - starts[k]

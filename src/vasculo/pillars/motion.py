@@ -151,20 +151,20 @@ def cap_factors(shift: NDArray[np.float64], starts: NDArray[np.int32], cap: floa
 
 
 def check(relaxed: Relaxed, state: RemodelState, parameters: Angiogenesis) -> None:
-    """Raise ComputationError, with step, pillar and numbers, if a relaxation did not come to rest."""
+    """Raise ComputationError, with pillar and numbers, if a relaxation did not come to rest."""
     broken = np.flatnonzero(~np.isfinite(relaxed.points).all(axis=1))
     if broken.size:
         node = int(broken[0])
         pillar = int(np.searchsorted(state.starts, node, side="right")) - 1
         where = f"pillar {pillar}" if node < len(state.points) else "the matrix"
         raise ComputationError(
-            f"remodelling step {state.step + 1}: {broken.size} nodes are not finite after {relaxed.sweeps} sweeps, "
+            f"{broken.size} nodes are not finite after {relaxed.sweeps} sweeps, "
             f"the first is node {node} in {where}: lower activation ({parameters.activation:g}) or traction "
             f"({parameters.traction:g})"
         )
     if not relaxed.converged:
         raise ComputationError(
-            f"remodelling step {state.step + 1}: no equilibrium after {relaxed.sweeps} sweeps, residual "
+            f"no equilibrium after {relaxed.sweeps} sweeps, residual "
             f"{relaxed.residual:.2g}: lower activation ({parameters.activation:g}) or traction "
             f"({parameters.traction:g})"
         )

@@ -85,7 +85,7 @@ class Relaxed:
 
 # Sums may be reordered so that the filament loop runs in vector registers; NaN still comes through.
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz", "arcp", "contract"})
-def _add_filaments(x, y, interior, rest, stiffness, fx, fy):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN202
+def _add_filaments(x, y, interior, rest, stiffness, fx, fy):  # type: ignore[no-untyped-def]
     q = 0
     for k in range(interior.size - 1):
         end = interior[k + 1]
@@ -108,7 +108,7 @@ def _add_filaments(x, y, interior, rest, stiffness, fx, fy):  # type: ignore[no-
 
 
 @njit(cache=True, error_model="numpy")
-def _add_membranes(x, y, starts, rest, rest_areas, area_stiffness, bending, fx, fy):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN202
+def _add_membranes(x, y, starts, rest, rest_areas, area_stiffness, bending, fx, fy):  # type: ignore[no-untyped-def]
     for k in range(starts.size - 1):
         first, last = starts[k], starts[k + 1] - 1
         area = 0.0
@@ -139,23 +139,23 @@ def _add_membranes(x, y, starts, rest, rest_areas, area_stiffness, bending, fx, 
 
 
 @njit(cache=True, error_model="numpy")
-def _relax(  # type: ignore[no-untyped-def] # noqa: ANN202
-    points,  # noqa: ANN001
-    mass,  # noqa: ANN001
-    starts,  # noqa: ANN001
-    interior,  # noqa: ANN001
-    filament_rest,  # noqa: ANN001
-    filament_stiffness,  # noqa: ANN001
-    membrane_rest,  # noqa: ANN001
-    springs,  # noqa: ANN001
-    spring_rest,  # noqa: ANN001
-    rest_areas,  # noqa: ANN001
-    area_stiffness,  # noqa: ANN001
-    bending,  # noqa: ANN001
-    loads,  # noqa: ANN001
-    pinned,  # noqa: ANN001
-    tolerance,  # noqa: ANN001
-    max_sweeps,  # noqa: ANN001
+def _relax(  # type: ignore[no-untyped-def]
+    points,
+    mass,
+    starts,
+    interior,
+    filament_rest,
+    filament_stiffness,
+    membrane_rest,
+    springs,
+    spring_rest,
+    rest_areas,
+    area_stiffness,
+    bending,
+    loads,
+    pinned,
+    tolerance,
+    max_sweeps,
 ):
     m, n = points.shape[0], loads.shape[0]
     x, y, vx, vy, fx, fy = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m)

@@ -90,7 +90,7 @@ def interior_edges(triangles: Ints, nodes: int) -> InteriorEdges:
 
 
 @njit(cache=True, error_model="numpy")
-def _join(start, high, first, second, springs, labels):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _join(start, high, first, second, springs, labels):  # type: ignore[no-untyped-def]
     """Label triangles by the face they belong to; overwrites labels with 0, 1, ... in order of first appearance.
 
     Strategy: mark the edges that carry a living spring (a short scan among the edges of the lower node), join the

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 WIDTH_RANGE = (0.25, 1.25)
 """Tubule widths (L0) that are chosen by themselves: below, the mesh is dear; above, voids are lost."""
-FIRST_STEP = 0.162
-"""Narrowest gap (R0) that no pillars close in their first step: merge gap 0.09 R0 plus two moves of 0.036 R0."""
+FIRST_STEP = 0.177
+"""Narrowest gap (R0) that no pillars close in their first step: merge gap 0.09 R0 plus two moves of 0.043 R0."""
 ROUNDING = 0.3
 """Radius (L0) of rounded corners."""
 BISECTIONS = 12

@@ -61,7 +61,7 @@ def build_adjacency(springs: Ints, nodes: int) -> Adjacency:
 
 
 @njit(cache=True, error_model="numpy")
-def sort_half_springs(springs, start, neighbour, spring):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def sort_half_springs(springs, start, neighbour, spring):  # type: ignore[no-untyped-def]
     """Sort spring ends by node, counting them; overwrites start (zeros at entry), neighbour and spring."""
     for s in range(springs.shape[0]):
         start[springs[s, 0]] += 1
@@ -88,7 +88,7 @@ def sort_half_springs_plain(springs: Ints, start: Ints, neighbour: Ints, spring:
 
 
 @njit(cache=True, error_model="numpy")
-def hooke_forces(points, start, neighbour, stiffness, rest, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def hooke_forces(points, start, neighbour, stiffness, rest, out):  # type: ignore[no-untyped-def]
     """Sum of the spring forces on each node, stiffness (length - rest) along the spring; overwrites out.
 
     Parameters

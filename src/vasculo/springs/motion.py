@@ -22,25 +22,25 @@ CHUNK = 64
 
 
 @njit(cache=True, error_model="numpy")
-def damped_steps(  # type: ignore[no-untyped-def]  # noqa: ANN201
-    points,  # noqa: ANN001
-    velocities,  # noqa: ANN001
-    start,  # noqa: ANN001
-    neighbour,  # noqa: ANN001
-    spring,  # noqa: ANN001
-    stiffness,  # noqa: ANN001
-    rest,  # noqa: ANN001
-    limit,  # noqa: ANN001
-    push,  # noqa: ANN001
-    keep,  # noqa: ANN001
-    tether,  # noqa: ANN001
-    reference,  # noqa: ANN001
-    forces,  # noqa: ANN001
-    dt,  # noqa: ANN001
-    factor,  # noqa: ANN001
-    slope,  # noqa: ANN001
-    steps,  # noqa: ANN001
-    broken_at,  # noqa: ANN001
+def damped_steps(  # type: ignore[no-untyped-def]
+    points,
+    velocities,
+    start,
+    neighbour,
+    spring,
+    stiffness,
+    rest,
+    limit,
+    push,
+    keep,
+    tether,
+    reference,
+    forces,
+    dt,
+    factor,
+    slope,
+    steps,
+    broken_at,
 ):
     """Take steps of eqs. (2) and (3); returns (steps done, first node that left the finite numbers or -1).
 

@@ -58,7 +58,7 @@ def growing(group: h5py.Group, name: str, like: NDArray[Any]) -> h5py.Dataset:
         dtype=like.dtype,
         chunks=(max(1, _CHUNK // max(1, int(np.prod(shape)))), *shape),
         compression="gzip",
-        compression_opts=2,
+        compression_opts=1,
         shuffle=True,
     )
 

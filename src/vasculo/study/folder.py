@@ -35,6 +35,8 @@ def new_folder(name: str, out: str | Path | None) -> Path:
     folder = free_folder(name) if out is None else Path(out)
     if any((folder / file).exists() for file in (RECORD, CHECKPOINT)):
         raise InputError(f"{folder} holds a run already: name another folder with --out, or go on with --resume")
+    if (folder / STUDY).exists():
+        raise InputError(f"{folder} holds a {STUDY} that the run would replace: name another folder with --out")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

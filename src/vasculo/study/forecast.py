@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     Lines = list[tuple[str, str]]
 
 # Measured on one core; a study of another size is scaled from these.
-_SPRING_STEP = 1.0e-8  # seconds a spring and time step
-_FLOW_TRIANGLE = 9e-5  # seconds a triangle and geometry step: mesh, flow, cells
-_TRIANGLE_MEMORY = 0.03  # MB a triangle of the flow mesh
-_FRAME_TRIANGLE = 90.0  # bytes of the record a triangle and step
-_FRAME_SPRING = 35.0  # bytes of the record a spring and step
-_BASE_MEMORY = 350.0  # MB of the program itself
-_FIGURES_TIME = 8.0  # seconds
-_TRIANGLES_PER_PILLAR = 110.0  # of the flow mesh, two triangles across a passage
+_SPRING_STEP = 5e-8  # seconds a spring and time step
+_FLOW_STEP, _FLOW_TRIANGLE = 0.1, 7e-5  # seconds a geometry step, and a triangle of it: mesh, flow, cells
+_TRIANGLE_MEMORY = 0.008  # MB a triangle of the flow mesh
+_FRAME_TRIANGLE = 50.0  # bytes of the record a triangle and step
+_FRAME_SPRING = 21.0  # bytes of the record a spring and step
+_BASE_MEMORY = 240.0  # MB of the program itself
+_FIGURES_TIME = 5.0  # seconds
+_TRIANGLES_PER_PILLAR = 150.0  # of the flow mesh, two triangles across a passage
 _MEDIUM_VOIDS, _MEDIUM_NODES, _MEDIUM_LOAD = 145.0, 12_000, 0.0045  # voids of the preset "medium"
 
 
@@ -57,7 +57,7 @@ def forecast(settings: Settings) -> Lines:
     seconds, size = seconds + took, size + kept
     if "angiogenesis" in settings.stages:
         steps = settings.angiogenesis.steps
-        seconds += _FLOW_TRIANGLE * triangles * (steps + 1)
+        seconds += (_FLOW_STEP + _FLOW_TRIANGLE * triangles) * (steps + 1)
         memory += _TRIANGLE_MEMORY * triangles
         size += _FRAME_TRIANGLE * triangles * (steps // settings.output.step_every + 1) / 1e6
         lines.append(("geometry steps", str(steps)))

@@ -22,7 +22,7 @@ from vasculo.tissue.lattice import lattice
 from vasculo.tissue.vasculogenesis import grow_plexus
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from vasculo.geometry.domain import Domain
@@ -50,6 +50,8 @@ class Job:
         What is finished.
     progress : Progress
         Who wants to see it.
+    pause : callable
+        Called at safe places; may raise KeyboardInterrupt.
     """
 
     settings: Settings
@@ -59,6 +61,7 @@ class Job:
     log: Log
     checkpoint: Checkpoint
     progress: watch.Progress
+    pause: Callable[..., None]
     _result: str = field(default="", init=False)
 
     def work(self) -> None:
@@ -73,6 +76,7 @@ class Job:
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Time a stage, note its peak memory, and save the checkpoint behind it."""
+        self.pause()
         self.progress.begin(name, "")
         self.log.line(f"{name}: begins")
         clock, before, self._result = perf_counter(), self.checkpoint.seconds, ""
@@ -91,7 +95,7 @@ class Job:
         tissue = lattice(**settings.tissue, seed=settings.study.seed)
         self.log.line(f"vasculogenesis: {len(tissue.points)} nodes, {len(tissue.springs)} springs")
         recorder = GrowthRecorder(self.record, self.table, settings.output.growth_every)
-        seen = watch.in_turn(check_growth, recorder, watch.growth_progress(self.progress))
+        seen = watch.in_turn(check_growth, recorder, watch.growth_progress(self.progress), self.pause)
         plexus = grow_plexus(tissue, settings.vasculogenesis, settings.study.seed, seen)
         recorder.flush()
         self.checkpoint.plexus = plexus
@@ -124,7 +128,7 @@ class Job:
         recorder = RemodelRecorder(
             self.record, self.table, checkpoint, self.folder / CHECKPOINT, settings.output.step_every
         )
-        seen = watch.in_turn(check_remodelling, recorder, watch.remodel_progress(self.progress))
+        seen = watch.in_turn(check_remodelling, recorder, watch.remodel_progress(self.progress), self.pause)
         final = remodel(self._start, settings.angiogenesis, seen, start=start)
         before, merges = len(self._start.pillars), checkpoint.state.merges_total if checkpoint.state else 0
         self._result = (

@@ -16,6 +16,7 @@ from vasculo.store.table import write_whole
 from vasculo.study.builtin import find_study
 from vasculo.study.folder import Log, new_folder, old_folder
 from vasculo.study.job import Job, peak_memory
+from vasculo.study.patience import Patience
 from vasculo.study.recorders import Table
 from vasculo.study.settings import Settings, parse_study, read_study
 from vasculo.study.watch import Silence
@@ -111,11 +112,11 @@ def execute(
         checkpoint = Checkpoint(settings.to_toml())
     begun = checkpoint.frames > 0 or bool(checkpoint.stages)
     try:
-        with Log(folder) as log:
-            _compute(settings, folder, checkpoint, log, shown)
+        with Log(folder) as log, Patience() as pause:
+            _compute(settings, folder, checkpoint, log, shown, pause)
             run = open_run(folder)
             if settings.output.figures:
-                _illustrate(run, log, shown)
+                _illustrate(run, log, shown, pause)
                 run = open_run(folder)
             log.line("complete")
     except KeyboardInterrupt:
@@ -158,7 +159,9 @@ def _old_run(
     return folder, settings
 
 
-def _compute(settings: Settings, folder: Path, checkpoint: Checkpoint, log: Log, progress: Progress) -> None:
+def _compute(
+    settings: Settings, folder: Path, checkpoint: Checkpoint, log: Log, progress: Progress, pause: Patience
+) -> None:
     """Go through the stages and leave a complete record; or an incomplete one, with a checkpoint to go on from."""
     path = folder / RECORD
     continued = path.exists()
@@ -172,7 +175,7 @@ def _compute(settings: Settings, folder: Path, checkpoint: Checkpoint, log: Log,
     log.line(f"vasculo {vasculo.__version__}: {settings.study.title} ({'continued' if continued else 'new'})")
     try:
         table.write()
-        Job(settings, folder, record, table, log, checkpoint, progress).work()
+        Job(settings, folder, record, table, log, checkpoint, progress, pause).work()
         record.finish()
     except BaseException as error:
         log.line(f"stopped: {type(error).__name__}: {error}")
@@ -191,7 +194,7 @@ def _reopen(path: Path, checkpoint: Checkpoint) -> tuple[Record, list[tuple[str,
     return Record.reopen(path, checkpoint.frames), rows
 
 
-def _illustrate(run: Run, log: Log, progress: Progress) -> None:
+def _illustrate(run: Run, log: Log, progress: Progress, pause: Patience) -> None:
     """Draw the figures, note the time that took, and write the report; say so when matplotlib is missing."""
     progress.begin("pictures", "")
     try:
@@ -202,7 +205,12 @@ def _illustrate(run: Run, log: Log, progress: Progress) -> None:
         progress.end(f"left out: {error}")
         return
     clock = perf_counter()
-    figures = draw_all(run, progress.advance)
+
+    def tell(done: float, total: float, title: str) -> None:
+        pause()
+        progress.advance(done, total, title)
+
+    figures = draw_all(run, tell)
     stages = [stage for stage in run.facts("stages") if stage["name"] != "pictures"]
     seconds = round(perf_counter() - clock, 3)
     result = f"{len(figures)} figures"
