@@ -31,7 +31,7 @@ def one_line(command: Callable[..., None]) -> Callable[..., None]:
     """End a command that goes wrong with one line and its exit code."""
 
     @functools.wraps(command)
-    def guarded(*args: Any, **kwargs: Any) -> None:  # noqa: ANN401  # whatever the command takes
+    def guarded(*args: Any, **kwargs: Any) -> None:  # whatever the command takes
         try:
             command(*args, **kwargs)
         except InputError as error:

@@ -41,7 +41,7 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def panel(axes: Any, box: Box, title: str = "") -> None:  # noqa: ANN401  # matplotlib has no types here
+def panel(axes: Any, box: Box, title: str = "") -> None:  # matplotlib has no types here
     """Turn axes into a plain picture of the region `box` (xmin, ymin, xmax, ymax), with a small caption."""
     axes.set_xlim(box[0], box[2])
     axes.set_ylim(box[1], box[3])
@@ -54,7 +54,7 @@ def panel(axes: Any, box: Box, title: str = "") -> None:  # noqa: ANN401  # matp
     caption(axes, title)
 
 
-def caption(axes: Any, title: str) -> None:  # noqa: ANN401
+def caption(axes: Any, title: str) -> None:
     """Put a small caption above the axes, at the left."""
     axes.set_title(title, fontsize=8.5, color=INK, loc="left", pad=4)
 

@@ -46,7 +46,7 @@ def draw_curves(run: Run, stage: str) -> Figure:
     return figure
 
 
-def _curve(axes: Any, x: np.ndarray, y: np.ndarray, style: str) -> None:  # noqa: ANN401
+def _curve(axes: Any, x: np.ndarray, y: np.ndarray, style: str) -> None:
     known = np.isfinite(y)
     if not known.any():
         return
@@ -54,7 +54,7 @@ def _curve(axes: Any, x: np.ndarray, y: np.ndarray, style: str) -> None:  # noqa
     axes.plot(x[known], y[known], style, color=colour, linewidth=1.6, marker="o" if known.sum() < 3 else None)
 
 
-def _plain(axes: Any, title: str, across: str) -> None:  # noqa: ANN401
+def _plain(axes: Any, title: str, across: str) -> None:
     caption(axes, title)
     axes.set_xlabel(across, fontsize=7.5, color=MUTED)
     axes.tick_params(labelsize=7, colors=MUTED, length=2.5)

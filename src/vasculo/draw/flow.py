@@ -47,13 +47,13 @@ def mesh_box(mesh: Triangulation) -> Box:
 
 
 def draw_speed(
-    axes: Any,  # noqa: ANN401
+    axes: Any,
     flow: FlowFields,
     outlines: Sequence[NDArray[np.float64]],
     box: Box,
     title: str = "",
     scale: float | None = None,
-) -> Any:  # noqa: ANN401
+) -> Any:
     """Draw the speed and the pillars; return the coloured mesh, for a colour bar.
 
     Parameters
@@ -90,7 +90,7 @@ def draw_speed(
 
 
 def draw_mesh(
-    axes: Any,  # noqa: ANN401
+    axes: Any,
     mesh: Triangulation,
     outlines: Sequence[NDArray[np.float64]],
     box: Box,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from vasculo.store.read import FlowFields
 
 
-def draw_pillars(axes: Any, outlines: Sequence[NDArray[np.float64]], *, face: str = PILLAR) -> None:  # noqa: ANN401
+def draw_pillars(axes: Any, outlines: Sequence[NDArray[np.float64]], *, face: str = PILLAR) -> None:
     """Fill the outlines, (k, 2) each, in the tone of tissue."""
     from matplotlib.collections import PolyCollection  # noqa: PLC0415  # heavy, and only here
 
@@ -25,7 +25,7 @@ def draw_pillars(axes: Any, outlines: Sequence[NDArray[np.float64]], *, face: st
 
 
 def draw_pillars_over(
-    axes: Any,  # noqa: ANN401
+    axes: Any,
     outlines: Sequence[NDArray[np.float64]],
     earlier: Sequence[NDArray[np.float64]],
     box: Box,
@@ -48,13 +48,13 @@ def shear_scale(flow: FlowFields) -> float:
 
 
 def draw_shear(
-    axes: Any,  # noqa: ANN401
+    axes: Any,
     flow: FlowFields,
     outlines: Sequence[NDArray[np.float64]],
     box: Box,
     title: str = "",
     scale: float | None = None,
-) -> Any:  # noqa: ANN401
+) -> Any:
     """Draw the magnitude of the wall shear along the pillars; return the coloured lines, for a colour bar."""
     from matplotlib.collections import LineCollection, PolyCollection  # noqa: PLC0415
 

@@ -74,7 +74,7 @@ def view_of(run: Run, what: What) -> View:
     return View(what, "angiogenesis", box, shear_scale(ends[0]))
 
 
-def paint(run: Run, view: View, axes: Any, step: int) -> None:  # noqa: ANN401
+def paint(run: Run, view: View, axes: Any, step: int) -> None:
     """Draw one step into empty axes."""
     title = f"step {step}"
     if view.what == "springs":

@@ -33,7 +33,7 @@ def zoom(springs: int) -> float:
     return min(2.5, max(1.0, (35_000 / max(springs, 1)) ** 0.4))
 
 
-def draw_springs(axes: Any, springs: Springs, box: Box, title: str = "", widen: float = 1.0) -> None:  # noqa: ANN401
+def draw_springs(axes: Any, springs: Springs, box: Box, title: str = "", widen: float = 1.0) -> None:
     """Draw the springs inside `box`.
 
     Parameters

@@ -235,7 +235,7 @@ class Run:
         sides = json.loads(self._fact("domain/sides"))
         return Domain(outer, self.pillars(step).outlines, sides)
 
-    def facts(self, name: str) -> Any:  # noqa: ANN401  # whatever was stored: numbers and words
+    def facts(self, name: str) -> Any:  # whatever was stored: numbers and words
         """Return stored facts by name ("extraction", "stages", ...), an empty dict when there are none."""
         with h5py.File(self.path) as file:
             if name not in file["run"]:
@@ -250,7 +250,7 @@ class Run:
         with h5py.File(self.path) as file:
             return str(file[f"run/{name}"].asstr()[()])
 
-    def _read(self, read: Callable[[h5py.File, int], Any], stage: str, step: int | None) -> Any:  # noqa: ANN401
+    def _read(self, read: Callable[[h5py.File, int], Any], stage: str, step: int | None) -> Any:
         """Read one frame, with the file open for just that long."""
         frame = self.frame(stage, step)
         with h5py.File(self.path) as file:

@@ -149,7 +149,7 @@ class Job:
         return _there(self.checkpoint.domain)
 
 
-def _there(value: Any) -> Any:  # noqa: ANN401  # whichever result of an earlier stage
+def _there(value: Any) -> Any:  # whichever result of an earlier stage
     """Return a result of an earlier stage."""
     if value is None:
         raise RuntimeError("a stage was reached before the one it builds on")

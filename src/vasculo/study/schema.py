@@ -97,7 +97,7 @@ def model_of(target: Callable[..., Any], skip: tuple[str, ...] = ()) -> type[Bas
     return create_model(name, __config__=ConfigDict(frozen=True, extra="forbid", strict=True), **fields)
 
 
-def kind_words(kind: Any) -> str:  # noqa: ANN401  # an annotation of any sort
+def kind_words(kind: Any) -> str:  # an annotation of any sort
     """Say what a value must be: "a number", "true or false", "one of ..."."""
     origin = get_origin(kind)
     if origin is Literal:

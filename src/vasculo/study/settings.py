@@ -222,7 +222,7 @@ def _where(path: str, source: str, origin: Mapping[str, str]) -> str:
     return hits[0] if hits else source
 
 
-def _section(section: Section, table: Mapping[str, Any], source: str, origin: Mapping[str, str]) -> Any:  # noqa: ANN401
+def _section(section: Section, table: Mapping[str, Any], source: str, origin: Mapping[str, str]) -> Any:
     """Check one section; give the dataclass it configures, or the arguments of its function."""
     model = model_of(section.target, section.skip)
     keys = keys_of(section.target, section.skip)
