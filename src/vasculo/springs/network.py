@@ -163,7 +163,7 @@ class SpringNetwork:
             value = getattr(self, name)
             setattr(twin, name, value.copy() if isinstance(value, np.ndarray) else value)
         stiffness, rest = self._halves
-        twin._halves = stiffness.copy(), rest.copy()
+        twin._halves = stiffness.copy(), rest.copy()  # noqa: SLF001  # its own class
         return twin
 
     def lengths(self) -> Floats:
