@@ -146,9 +146,9 @@ def recover_edges(points: Floats, triangles: Ints, neighbours: Ints, wanted: Int
     for t in range(len(triangles)):
         for k in range(3):
             at[triangles[t, k]] = t
-    # Strategy: walk from a to b over the crossed edges. Flip the first one whose flip leaves fewer crossings; if
-    # there is none, flip one that can be flipped at all, drawn by a linear congruence so that flips that undo each
-    # other do not go on for ever.
+    # Strategy: walk from a to b over the crossed edges. Flip the first one whose flip leaves fewer crossings; if there
+    # is none, flip one that can be flipped at all, drawn by a linear congruence, so that flips which undo each other
+    # do not go on for ever.
     draw = np.int64(1)
     for w in range(len(wanted)):
         a = wanted[w, 0]
