@@ -47,6 +47,8 @@ def test_bad_input():
         voronoi_plexus(16, width=16.0)
     with pytest.raises(InputError, match="channel must be positive"):
         voronoi_plexus(channel=-0.1)
+    with pytest.raises(InputError, match="channel must be at most 3"):
+        voronoi_plexus(channel=50.0)
     with pytest.raises(InputError, match="no room"):
         voronoi_plexus(16, width=3.0, height=9.0)
     with pytest.raises(InputError, match="no pillar is left"):

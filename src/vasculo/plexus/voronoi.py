@@ -29,6 +29,8 @@ LLOYD_SWEEPS = 3
 """Few sweeps: cells of unlike shape (mean aspect ratio about 1.4) with no preferred direction."""
 ROUNDING = 0.3
 """Radius of the rounded corners, in mean pillar radii."""
+WIDEST_CHANNEL = 3.0
+"""Widest channel, in mean pillar radii: beyond it the pillars stand alone and the block is mostly fluid."""
 THINNEST = 0.35
 """Pillars with an equivalent radius below this many mean pillar radii are dropped."""
 
@@ -56,7 +58,7 @@ def voronoi_plexus(
         Size of the whole box, pads included (R0). Give both or neither; with both, the mean radius follows from the
         box and is only about 1 (1.2 for 16 pillars in 16 x 9).
     channel : float
-        Width of the channels between pillars (R0). At the top and bottom, mirror walls, the pillars keep half of it.
+        Width of the channels between pillars, at most 3 (R0). At the top and bottom, mirror walls, the pillars keep half of it.
     pad : float
         Plain strip before and behind the block (R0).
     seed : int
@@ -72,7 +74,7 @@ def voronoi_plexus(
     Raises
     ------
     InputError
-        When a length is not positive and finite, only one of width and height is given, or no pillar is left.
+        When a length is not positive and finite, the channel is wider than three radii, only one of width and height is given, or no pillar is left.
     """
     if (width is None) != (height is None):
         raise InputError(f"give both width and height or neither, got width {width} and height {height}")
@@ -80,6 +82,8 @@ def voronoi_plexus(
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0.0):
             raise InputError(f"{name} must be positive, got {value}")
+    if channel > WIDEST_CHANNEL:
+        raise InputError(f"channel must be at most {WIDEST_CHANNEL:g} mean pillar radii, got {channel:g}")
     if pillars < 1 or not (np.isfinite(pad) and pad >= 0.0):
         raise InputError(f"at least 1 pillar and a pad of at least 0 are needed, got {pillars} and {pad}")
     rng = np.random.default_rng(seed)
