@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from vasculo.mesh.generate import generate_mesh
     from vasculo.mesh.triangulation import Triangulation
     from vasculo.pillars.angiogenesis import Angiogenesis, remodel
-    from vasculo.plexus.extract import Extraction, extract_domain
+    from vasculo.plexus.extract import extract_domain
+    from vasculo.plexus.parameters import Extraction
     from vasculo.springs.network import SpringNetwork
     from vasculo.store.read import open_run
     from vasculo.study.run import run
@@ -30,7 +31,7 @@ _HOMES = {
     "Angiogenesis": "pillars.angiogenesis",
     "ComputationError": "errors",
     "Domain": "geometry.domain",
-    "Extraction": "plexus.extract",
+    "Extraction": "plexus.parameters",
     "Flow": "flow.stokes",
     "InputError": "errors",
     "Periodic": "flow.boundary",

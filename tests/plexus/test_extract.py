@@ -4,7 +4,8 @@ import shapely
 
 from vasculo.errors import InputError
 from vasculo.geometry.outline import segment_lengths, signed_area
-from vasculo.plexus.extract import Extraction, extract, extract_domain
+from vasculo.plexus.extract import extract, extract_domain
+from vasculo.plexus.parameters import Extraction
 from vasculo.springs.network import SpringNetwork
 
 NARROW = Extraction(tubule_width=0.75)

@@ -6,7 +6,8 @@ import shapely
 
 from vasculo import measure
 from vasculo.geometry.outline import segment_lengths
-from vasculo.plexus.extract import Extraction, extract
+from vasculo.plexus.extract import extract
+from vasculo.plexus.parameters import Extraction
 from vasculo.plexus.rays import ray_agreement
 from vasculo.plexus.voids import void_fraction
 from vasculo.springs.network import SpringNetwork

@@ -4,7 +4,7 @@ import pytest
 
 from vasculo.errors import InputError
 from vasculo.pillars.parameters import Angiogenesis
-from vasculo.plexus.extract import Extraction
+from vasculo.plexus.parameters import Extraction
 from vasculo.study.builtin import NAMES, builtin_path, find_study, titles
 from vasculo.study.settings import parse_assignment, parse_study, read_study, toml_value
 from vasculo.study.template import template

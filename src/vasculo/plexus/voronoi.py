@@ -58,7 +58,8 @@ def voronoi_plexus(
         Size of the whole box, pads included (R0). Give both or neither; with both, the mean radius follows from the
         box and is only about 1 (1.2 for 16 pillars in 16 x 9).
     channel : float
-        Width of the channels between pillars, at most 3 (R0). At the top and bottom, mirror walls, the pillars keep half of it.
+        Width of the channels between pillars, at most 3 (R0). At the top and bottom, mirror walls, the pillars keep
+        half of it.
     pad : float
         Plain strip before and behind the block (R0).
     seed : int
@@ -74,7 +75,8 @@ def voronoi_plexus(
     Raises
     ------
     InputError
-        When a length is not positive and finite, the channel is wider than three radii, only one of width and height is given, or no pillar is left.
+        When a length is not positive and finite, the channel is wider than three radii, only one of width and height is
+        given, or no pillar is left.
     """
     if (width is None) != (height is None):
         raise InputError(f"give both width and height or neither, got width {width} and height {height}")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.plexus.clearing import Cleared
-    from vasculo.plexus.extract import Extraction
+    from vasculo.plexus.parameters import Extraction
 
     Shapes = NDArray[np.object_]
 

@@ -134,7 +134,7 @@ class SpringNetwork:
         self.damping = as_number("damping", self.damping)
         self.tether = as_number("tether", self.tether)
         arrays = (self.springs, self.stiffness, self.rest_lengths, self.masses, self.pinned)
-        same = [unchanged(now, then) for now, then in zip(arrays, self._checked, strict=True)]
+        same = [unchanged(new, old) for new, old in zip(arrays, self._checked, strict=True)]
         if all(same):
             return
         if not same[0]:

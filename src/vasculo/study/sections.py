@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vasculo.errors import InputError
 from vasculo.pillars.parameters import Angiogenesis
-from vasculo.plexus.extract import Extraction
+from vasculo.plexus.parameters import Extraction
 from vasculo.plexus.voronoi import disk_domain, voronoi_plexus
 from vasculo.study.schema import keys_of
 from vasculo.tissue.lattice import FEWEST, lattice

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from vasculo.pillars.parameters import Angiogenesis
-    from vasculo.plexus.extract import Extraction
+    from vasculo.plexus.parameters import Extraction
     from vasculo.tissue.vasculogenesis import Vasculogenesis
 
     Tables = dict[str, dict[str, Any]]
