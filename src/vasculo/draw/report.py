@@ -93,7 +93,7 @@ def _key_numbers(run: Run) -> list[tuple[str, str]]:
                 "permeability over its start",
                 f"{_TIMES} {table_['permeability'][last] / table_['permeability'][first]:.2f}",
             ),
-            ("alignment to the own drag", f"{table_['alignment'][first]:.2f} → {table_['alignment'][last]:.2f}"),
+            ("alignment to the local flow", f"{table_['alignment'][first]:.2f} → {table_['alignment'][last]:.2f}"),
             ("aspect ratio", f"{table_['aspect_ratio'][first]:.2f} → {table_['aspect_ratio'][last]:.2f}"),
             ("triangles of the flow mesh", f"{int(table_['triangles'][last]):,}"),
         ]

@@ -54,7 +54,7 @@ MEANINGS = {
     "pillars": "voids so far (vasculogenesis) or pillars (angiogenesis)",
     "merges": "mergers so far",
     "order": "mean cos 2 theta, theta between the long axis of a pillar and the mean flow",
-    "alignment": "the same, theta between the long axis and the drag on that pillar",
+    "alignment": "the same, theta between the long axis and the friction drag on that pillar (the local flow)",
     "aspect_ratio": "long over short axis of the pillars, mean weighted by area",
     "angle": "mean long axis of the pillars against x, degrees",
     "mean_gap": "mean distance from a pillar to its nearest neighbour, model length",
