@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import vasculo
 from vasculo.cli import app
+from vasculo.store.table import write_whole
 from vasculo.study.builtin import NAMES
 
 COMMAND = [sys.executable, "-m", "vasculo"]
@@ -273,3 +274,12 @@ def test_ctrl_c_keeps_what_was_done_and_the_run_goes_on(tmp_path):
     assert not kept.complete
     assert len(kept.steps()) >= 3
     assert kept.steps() == list(range(len(kept.steps())))
+
+
+def test_files_that_cannot_be_written_are_named(tmp_path, disk):
+    one_line(call("measure", disk, "--csv", tmp_path / "missing" / "table.csv"), 2, "name a file in a folder")
+    one_line(call("measure", disk, "--csv", tmp_path), 2, "name a file in a folder")
+    one_line(call("draw", disk, "--what", "flow", "--movie", "--step", "1"), 2, "--movie takes all steps")
+    with pytest.raises(OSError, match=r"table\.csv'$") as caught:
+        write_whole(tmp_path / "missing" / "table.csv", "text")
+    assert ".part" not in str(caught.value)

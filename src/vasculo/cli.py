@@ -36,8 +36,13 @@ def one_line(command: Callable[..., None]) -> Callable[..., None]:
             command(*args, **kwargs)
         except InputError as error:
             stop(error, BAD_INPUT)
-        except (ComputationError, OSError) as error:
+        except ComputationError as error:
             stop(error, FAILED)
+        except MemoryError as error:
+            stop(f"not enough memory ({error}): use fewer nodes or pillars, or longer edges", FAILED)
+        except OSError as error:
+            named = error.filename is not None and error.strerror
+            stop(f"{error.filename}: {error.strerror}" if named else error, FAILED)
         except KeyboardInterrupt as error:
             stop(error or "interrupted", INTERRUPTED)
 
@@ -137,6 +142,8 @@ def measure(
     from vasculo.study.show import show_numbers, table_text  # noqa: PLC0415
 
     found = open_run(run)
+    if csv is not None and (csv.is_dir() or not csv.parent.is_dir()):
+        raise InputError(f"{csv} cannot be written: name a file in a folder that is there")
     show_numbers(found)
     if csv is not None:
         from vasculo.store.table import write_whole  # noqa: PLC0415
@@ -165,6 +172,8 @@ def draw(
 
     if what is None and (movie or step is not None):
         raise InputError("say what to draw: --what springs, mesh, flow, shear or pillars")
+    if movie and step is not None:
+        raise InputError("--movie takes all steps: leave --step out")
     if what is None:
         files = draw_all(found)
     elif movie:
@@ -191,11 +200,14 @@ def main() -> None:
     """Run the command line; a wrong option ends in one line too."""
     try:
         code = app(standalone_mode=False)
+    except KeyboardInterrupt:
+        typer.echo("vasculo: interrupted", err=True)
+        code = INTERRUPTED
     except Exception as error:
         told = getattr(error, "format_message", None)
         if told is None:
             raise
-        if message := " ".join(told().removeprefix("Value error, ").split()):
+        if message := " ".join(told().replace("Value error, ", "").split()):
             typer.echo(f"vasculo: {message} (see vasculo --help)", err=True)
         code = BAD_INPUT
     sys.exit(code)

@@ -154,3 +154,9 @@ def test_a_pocket_rests_and_is_counted():
     np.testing.assert_allclose(flow.pressure[right], 0.0, atol=1e-12)
     assert np.abs(flow.velocity[right]).max() < 1e-15
     assert np.isfinite(flow.node_velocity()).all()
+
+
+def test_a_velocity_of_another_shape_is_refused():
+    points = np.zeros((25, 3, 2))
+    with pytest.raises(InputError, match=r"has shape \(3,\), its coordinates have \(25, 3\)"):
+        Velocity(lambda *_: np.zeros(3), 0.0).at(points, "left")

@@ -76,7 +76,6 @@ def test_with_pillars_and_mean_radius_of_none():
         (SQUARE, [disk(3, 3), disk(5, np.nan)], list("abcd"), "pillar 1: node 0 of the outline is not finite"),
         (SQUARE, [], ["a", "b", "c"], "for each of the 4 segments of the outer outline, not 3"),
         (SQUARE, [], "abcd", "one name for each"),
-        (SQUARE, [], {"a": [0, 1]}, "segment 2 of the outer outline has no side name"),
         (SQUARE, [], {"a": [0, 1], "b": [1, 2, 3]}, "segment 1 of the outer outline is named both 'a' and 'b'"),
         (SQUARE, [], {"a": [0, 1, 2, 3, 4]}, "names segment 4"),
         (SQUARE, [], ["a", "b", "c", "pillars"], "a name other than 'pillars'"),
@@ -94,8 +93,21 @@ def test_refusals_name_what_is_wrong(outer, pillars, sides, words):
 
 @pytest.mark.parametrize("size", [0.0, -1.0, np.nan, np.inf])
 def test_rectangle_refuses_its_size(size):
-    with pytest.raises(InputError, match="positive width and height"):
+    with pytest.raises(InputError, match="positive, finite width"):
         Domain.rectangle(size, 1.0)
+    with pytest.raises(InputError, match="positive, finite height"):
+        Domain.rectangle(1.0, size)
+
+
+@pytest.mark.parametrize("size", ["a", None, True])
+def test_rectangle_refuses_what_is_no_number(size):
+    with pytest.raises(InputError, match="positive, finite width"):
+        Domain.rectangle(size, 1.0)
+
+
+def test_segments_that_a_mapping_leaves_out_are_the_side_wall():
+    domain = Domain(SQUARE, [], {"in": 3, "out": 1})
+    assert domain.sides == ("wall", "out", "wall", "in")
 
 
 def test_a_thousand_pillars_are_checked():

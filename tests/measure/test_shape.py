@@ -90,3 +90,12 @@ def test_no_pillars():
     for function in (measure.order, measure.mean_gap, measure.chains):
         with pytest.raises(InputError, match="at least one pillar"):
             function(empty)
+
+
+def test_round_pillars_have_no_order():
+    corners = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False) + 0.1
+    ring = np.column_stack((np.cos(corners), np.sin(corners)))
+    domain = Domain.rectangle(10.0, 6.0, [ring + np.array([3.0, 3.0]), ring + np.array([7.0, 3.0])])
+    assert measure.order(domain) == 0.0
+    flat = Domain.rectangle(10.0, 6.0, [ring + np.array([3.0, 3.0]), ring * [1.5, 1.0] + np.array([7.0, 3.0])])
+    assert measure.order(flat) == pytest.approx(0.5)

@@ -51,6 +51,11 @@ class Velocity:
         if second is None:
             first, second = first if isinstance(first, tuple) and len(first) == 2 else (first, 0.0)
         values = np.empty(points.shape)
+        for part in (first, second):
+            if np.shape(part) not in {(), x.shape}:
+                raise InputError(
+                    f"velocity on {name!r}: a component has shape {np.shape(part)}, its coordinates have {x.shape}"
+                )
         try:
             values[..., 0], values[..., 1] = first, second
         except (TypeError, ValueError) as error:

@@ -12,7 +12,7 @@ import shapely
 
 from vasculo.errors import InputError
 from vasculo.geometry.neighbours import as_polygons
-from vasculo.geometry.outline import as_outline, signed_area
+from vasculo.geometry.outline import as_outline, is_number, signed_area
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 RESERVED = "pillars"
 """Not the name of a side: conditions use it for all pillars."""
+
+UNNAMED = "wall"
+"""Side of the segments that a mapping of names leaves out."""
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -34,7 +37,8 @@ class Domain:
     pillars : iterable of (k_i, 2) arrays, model length
         Pillar outlines: simple, disjoint, strictly inside the outer outline; either way round.
     sides : sequence of k names, or mapping of name to segment index or indices
-        Segment i runs from outer node i to node i + 1 (the last one back to node 0), counted as given.
+        Segment i runs from outer node i to node i + 1 (the last one back to node 0), counted as given. Segments that a
+        mapping leaves out form the side "wall".
 
     Attributes
     ----------
@@ -74,8 +78,9 @@ class Domain:
     @classmethod
     def rectangle(cls, width: float, height: float, pillars: Iterable[ArrayLike] = ()) -> Domain:
         """Rectangle with a corner at the origin; sides bottom, right, top, left (lengths in model length)."""
-        if not (np.isfinite(width) and np.isfinite(height) and width > 0.0 and height > 0.0):
-            raise InputError(f"a rectangle needs a positive width and height, not {width} and {height}")
+        for name, value in (("width", width), ("height", height)):
+            if not (is_number(value) and 0.0 < value < np.inf):
+                raise InputError(f"a rectangle needs a positive, finite {name}, not {value!r}")
         corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
         return cls(corners, pillars, ("bottom", "right", "top", "left"))
 
@@ -154,9 +159,7 @@ def _names(sides: Sequence[str] | Mapping[str, int | Sequence[int]], k: int) -> 
                         f"segment {segment} of the outer outline is named both {found[segment]!r} and {name!r}"
                     )
                 found[segment] = name
-        names = tuple(name for name in found if name is not None)
-        if len(names) < k:
-            raise InputError(f"segment {found.index(None)} of the outer outline has no side name")
+        names = tuple(UNNAMED if name is None else name for name in found)
     else:
         names = tuple(sides)
         if isinstance(sides, str) or len(names) != k:

@@ -17,6 +17,11 @@ COINCIDENT = 1e-12
 """Neighbouring nodes closer than this fraction of the outline's extent are one node."""
 
 
+def is_number(value: object) -> bool:
+    """Whether a value is a real number (truth values are not)."""
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool | np.bool_)
+
+
 def as_outline(points: ArrayLike) -> NDArray[np.float64]:
     """Clean a closed polygon: float64, counter-clockwise, no repeated nodes; node 0 stays first.
 

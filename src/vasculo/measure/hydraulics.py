@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import InputError
-from vasculo.measure.shape import pillars
+from vasculo.measure.shape import axis_cosines, pillars
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -148,8 +148,8 @@ def alignment(domain: Domain, flow: Flow) -> float:
     dragged = size > 1e-12 * size.max(initial=0.0)
     if not dragged.any():
         raise InputError(f"alignment needs a pillar with drag, none of {len(domain.pillars)} has any")
-    angle = np.arctan2(drag[dragged, 1], drag[dragged, 0])
-    return float(np.mean(np.cos(2.0 * (np.radians(pillars(domain).orientation[dragged]) - angle))))
+    along = axis_cosines(pillars(domain), np.degrees(np.arctan2(drag[:, 1], drag[:, 0])))
+    return float(np.mean(along[dragged]))
 
 
 def _side(flow: Flow, name: str) -> tuple[Floats, float]:

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
+ROUND = 1.0 + 1e-6
+"""Pillars of a smaller aspect ratio have no long axis."""
+
+
 @dataclass(frozen=True)
 class PillarTable:
     """One row a pillar.
@@ -118,7 +122,8 @@ def pillars(domain: Domain) -> PillarTable:
 def order(domain: Domain, direction: float = 0.0) -> float:
     """Nematic order of the long axes: the mean of cos 2 (orientation - direction) over the pillars.
 
-    Every pillar counts once, whatever its area. 1: all along the direction; -1: all across; 0: no order.
+    Every pillar counts once, whatever its area. 1: all along the direction; -1: all across; 0: no order. A round pillar
+    has no axis and counts zero.
 
     Parameters
     ----------
@@ -138,7 +143,12 @@ def order(domain: Domain, direction: float = 0.0) -> float:
         When the domain has no pillar.
     """
     _require(domain, "order")
-    return float(np.mean(np.cos(2.0 * np.radians(pillars(domain).orientation - direction))))
+    return float(np.mean(axis_cosines(pillars(domain), direction)))
+
+
+def axis_cosines(table: PillarTable, directions: Floats | float) -> Floats:
+    """Give cos 2 (orientation - direction) of each pillar (p,), directions in degrees; 0 for a round one."""
+    return np.where(table.aspect_ratio > ROUND, np.cos(2.0 * np.radians(table.orientation - directions)), 0.0)
 
 
 def mean_gap(domain: Domain) -> float:

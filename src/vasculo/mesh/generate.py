@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import ComputationError, InputError
+from vasculo.geometry.outline import is_number
 from vasculo.mesh.delaunay import fluid_triangles
 from vasculo.mesh.draft import Draft
 from vasculo.mesh.flips import retriangulate
@@ -116,8 +117,8 @@ def _check_numbers(
 ) -> None:
     """Refuse numbers out of range."""
     for name, value in (("edge_length", edge_length), ("wall_edge_length", wall)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} must be a positive length, not {value}")
+        if not (is_number(value) and 0.0 < value < np.inf):
+            raise InputError(f"{name} must be a positive length, not {value!r}")
     if not 0.0 <= across <= 100.0:
         raise InputError(f"across must lie between 0 and 100 triangles, not {across}")
     if not 0.01 <= grading <= 0.5:

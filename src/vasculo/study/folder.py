@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import time
 from pathlib import Path
@@ -30,7 +31,7 @@ def new_folder(name: str, out: str | Path | None) -> Path:
     Raises
     ------
     InputError
-        When the folder holds a run already, is a file, or cannot be made.
+        When the folder holds a run already, is a file, cannot be made, or cannot be written in.
     """
     folder = free_folder(name) if out is None else Path(out)
     if any((folder / file).exists() for file in (RECORD, CHECKPOINT)):
@@ -41,6 +42,8 @@ def new_folder(name: str, out: str | Path | None) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{folder} cannot be made: {error.strerror}") from None
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(f"{folder} cannot be written in: name another folder with --out")
     return folder
 
 
