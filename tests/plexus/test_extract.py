@@ -239,3 +239,34 @@ def test_not_finite(carver):
 def test_parameters_are_checked(name, value):
     with pytest.raises(InputError, match=name):
         Extraction(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("spacing", 1e-4, "spacing must lie from 0.05 to 10, got 0.0001"),
+        ("spacing", 11, "spacing must lie from 0.05 to 10, got 11"),
+        ("spacing", "a", "spacing must lie from 0.05 to 10, got 'a'"),
+        ("strip", 1e18, "strip must lie from 0.05 to 100, got 1e+18"),
+        ("strip", None, "strip must lie from 0.05 to 100, got None"),
+        ("smallest_radius", 101.0, "smallest_radius must lie between 0 and 100, got 101.0"),
+        ("tubule_width", 1e300, "tubule_width must lie between 0 and 100, got 1e+300"),
+        ("fluid_fraction", True, "fluid_fraction must lie between 0 and 1, got True"),
+        ("rays", 5000, "rays must be a whole number from 3 to 4096, got 5000"),
+        ("rays", 64.0, "rays must be a whole number from 3 to 4096, got 64.0"),
+        ("triangles_across", True, "triangles_across must be a whole number from 1 to 20, got True"),
+        ("triangles_across", 21, "triangles_across must be a whole number from 1 to 20, got 21"),
+        ("triangle_budget", 1e5, "triangle_budget must be a whole number from 1 up, got 100000.0"),
+        ("rule", ["offset"], "rule must be one of minimum, offset, got ['offset']"),
+    ],
+)
+def test_ranges_are_printed(name, value, message):
+    with pytest.raises(InputError) as caught:
+        Extraction(**{name: value})
+    assert str(caught.value) == message
+
+
+def test_ends_of_the_ranges_are_allowed():
+    for name, values in (("spacing", (0.05, 10)), ("strip", (0.05, 100)), ("rays", (3, np.int64(4096)))):
+        for value in values:
+            assert getattr(Extraction(**{name: value}), name) == value

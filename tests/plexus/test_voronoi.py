@@ -57,3 +57,33 @@ def test_bad_input():
         voronoi_plexus(0)
     with pytest.raises(InputError, match="radius 5"):
         disk_domain(radius=5.0)
+
+
+@pytest.mark.parametrize(
+    ("draw", "change", "message"),
+    [
+        (
+            voronoi_plexus,
+            {"pillars": 10**26},
+            f"pillars = {10**26} must be a whole number: at least 1 pillar, at most 100000",
+        ),
+        (voronoi_plexus, {"pillars": 16.0}, "pillars = 16.0 must be a whole number"),
+        (voronoi_plexus, {"pillars": True}, "pillars = True must be a whole number"),
+        (voronoi_plexus, {"pad": 1e300}, "pad must lie from 0 to 100 mean pillar radii, got 1e+300"),
+        (voronoi_plexus, {"pad": np.nan}, "pad must lie from 0 to 100"),
+        (voronoi_plexus, {"width": np.nan, "height": 9.0}, "width must be positive and finite, got nan"),
+        (voronoi_plexus, {"width": 0.0, "height": 9.0}, "width must be positive and finite, got 0.0"),
+        (voronoi_plexus, {"width": 16.0, "height": 1e300}, "height must be at most 1e+06, got 1e+300"),
+        (voronoi_plexus, {"spacing": 1e-9}, "spacing must be at least 0.001"),
+        (disk_domain, {"width": np.nan}, "width must be positive and finite, got nan"),
+        (disk_domain, {"height": "8"}, "height must be positive and finite, got '8'"),
+        (disk_domain, {"radius": 0}, "radius must be positive and finite, got 0"),
+        (disk_domain, {"width": 1e300}, "width must be at most 1e+06, got 1e+300"),
+        (disk_domain, {"nodes": 7}, "nodes must be a whole number from 8 to 100000, got 7"),
+        (disk_domain, {"nodes": 8.5}, "nodes must be a whole number from 8 to 100000, got 8.5"),
+    ],
+)
+def test_the_key_and_its_range_are_named(draw, change, message):
+    with pytest.raises(InputError) as caught:
+        draw(**change)
+    assert str(caught.value).startswith(message)

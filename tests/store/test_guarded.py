@@ -10,6 +10,7 @@ import pytest
 
 from vasculo.store.guarded import GuardedFile, uninterrupted
 from vasculo.store.read import open_run
+from vasculo.store.record import Record
 
 SCRIPT = """
     import resource, sys
@@ -39,6 +40,54 @@ def test_a_failing_disk_is_an_error_and_no_crash(tmp_path):
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == ["caught", "27", str(path), "closed", "27"]
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize("room", [0, 3000, 40_000])
+def test_a_failing_disk_leaves_the_last_flush(tmp_path, room):
+    """HDF5 writes over chunks and metadata before it comes to the write that fails."""
+    path = tmp_path / "run.vtkhdf"
+    script = SCRIPT.replace("size + 3000, size + 3000", f"size + {room}, size + {room}")
+    code = textwrap.dedent(script.format(here=os.path.dirname(__file__), path=str(path)))  # noqa: PTH120
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "caught 27" in done.stdout
+    run = open_run(path)
+    assert len(run.frames) >= 2
+    for frame in run.frames:
+        assert len(run.network(frame.step).points)
+    Record.reopen(path, len(run.frames)).close()
+
+
+def test_what_was_written_over_comes_back(tmp_path):
+    path = tmp_path / "f"
+    file = GuardedFile(path, "x")
+    file.write(b"0123456789")
+    file.check()
+    file.seek(2)
+    file.write(b"abc")
+    file.truncate(4)
+    file.seek(3)
+    file.write(b"defghijklmn")
+    file.failure = OSError(28, "No space left on device")
+    with pytest.raises(OSError, match="No space"):
+        file.check()
+    assert path.read_bytes() == b"0123456789"
+    file.close()
+
+
+def test_a_close_without_check_brings_back_too(tmp_path):
+    path = tmp_path / "f"
+    file = GuardedFile(path, "x")
+    file.write(b"0123456789")
+    file.check()
+    file.seek(0)
+    file.write(b"abc")
+    file.check()
+    file.seek(8)
+    file.write(b"defg")
+    file.failure = OSError(28, "No space left on device")
+    file.close()
+    assert path.read_bytes() == b"abc3456789"
 
 
 def test_the_first_failure_stays(tmp_path, monkeypatch):
@@ -85,8 +134,6 @@ def test_ctrl_c_waits():
 
 
 def test_a_full_disk_is_noticed_before_anything_is_torn(folder, monkeypatch, fab):
-    from vasculo.store.record import Record
-
     record = Record.reopen(folder / "run.vtkhdf", 7)
     monkeypatch.setattr("shutil.disk_usage", lambda _: type("usage", (), {"free": 1000})())
     with pytest.raises(OSError, match="No space left") as caught:

@@ -1,11 +1,13 @@
 """Study files: complete, exact, and refused in one line when they are wrong."""
 
+import numpy as np
 import pytest
 
 from vasculo.errors import InputError
 from vasculo.pillars.parameters import Angiogenesis
 from vasculo.plexus.parameters import Extraction
 from vasculo.study.builtin import NAMES, builtin_path, find_study, titles
+from vasculo.study.forecast import _duration, forecast
 from vasculo.study.settings import parse_assignment, parse_study, read_study, toml_value
 from vasculo.study.template import template
 from vasculo.tissue.parameters import PRESETS, Vasculogenesis
@@ -184,3 +186,59 @@ def test_the_template_is_the_default_study_with_everything_explained():
         for key in table:
             assert key in text, f"{name}.{key} is not in the template"
     assert max(len(line) for line in text.splitlines()) <= 120
+
+
+def test_numpy_scalars_are_numbers():
+    settings = parse("", settings={"angiogenesis.steps": np.int64(2), "vasculogenesis.damping": np.float64(4.0)})
+    assert settings.angiogenesis.steps == 2
+    assert type(settings.angiogenesis.steps) is int
+    assert parse(settings.to_toml()) == settings
+
+
+@pytest.mark.parametrize(
+    ("overrides", "start"),
+    [
+        ({}, "study.toml: "),
+        ({"domain.kind": "tissue"}, "--set: "),
+        ({"domain.width": 3.0}, "--set: "),
+    ],
+)
+def test_a_key_of_another_kind_of_domain(overrides, start):
+    with pytest.raises(InputError) as caught:
+        parse("[domain]\nkind = 'tissue'\nwidth = 12.0", settings=overrides, label="--set")
+    text = "unknown key domain.width with domain.kind = 'tissue': it goes with 'voronoi' or 'disk', leave it out"
+    assert str(caught.value).startswith(start + text)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[tissue]\nnodes = 1000000000", "tissue.nodes = 1000000000 is above 5000000"),
+        ("[domain]\nkind = 'voronoi'\npillars = 1" + 26 * "0", "domain.pillars = 1" + 26 * "0"),
+        ("[domain]\nkind = 'voronoi'\npad = 1e300", "domain.pad must lie from 0 to 100"),
+        ("[domain]\nkind = 'disk'\nwidth = nan", "domain.width must be positive and finite, got nan"),
+        ("[domain]\nkind = 'disk'\nradius = 0", "domain.radius must be positive and finite, got 0"),
+        ("[extraction]\nspacing = 1e-4", "extraction.spacing must lie from 0.05 to 10, got 0.0001"),
+        ("[vasculogenesis]\ndamping = 1e300", "vasculogenesis.damping is 1e+300"),
+    ],
+)
+def test_numbers_beyond_all_bounds(text, message):
+    with pytest.raises(InputError) as caught:
+        parse(text)
+    assert str(caught.value).startswith(f"study.toml: {message}")
+
+
+def test_the_forecast_writes_short_numbers():
+    slow = {"tissue.nodes": 100, "vasculogenesis.growth_rate": 1e-6, "vasculogenesis.time_step": 1e-6}
+    lines = dict(forecast(parse("", settings=slow | {"vasculogenesis.hold": 1e6})))
+    assert "days" in lines["expected time"]
+    assert max(map(len, lines.values())) < 80
+    many = dict(forecast(parse("", settings={"tissue.nodes": 100, "vasculogenesis.growth_rate": 1e6})))
+    assert many["expected pillars"] == "about 100"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(89, "89 s"), (90, "2 min"), (3600, "60 min"), (7200, "2 h"), (864000, "10 days")]
+)
+def test_durations(seconds, words):
+    assert _duration(seconds) == words

@@ -9,8 +9,9 @@ from vasculo.errors import ComputationError, InputError
 from vasculo.plexus.voids import face_areas, faces, void_fraction
 from vasculo.springs.network import SpringNetwork
 from vasculo.tissue.lattice import lattice
+from vasculo.tissue.process import Process
 from vasculo.tissue.rupture import largest_component
-from vasculo.tissue.vasculogenesis import GrowthPhase, Vasculogenesis, grow_plexus
+from vasculo.tissue.vasculogenesis import GrowthPhase, Vasculogenesis, check_time_step, grow_plexus, stability_limits
 
 NODES = 1_500
 
@@ -196,7 +197,7 @@ def test_a_tissue_that_comes_apart(tissue):
 
 
 def test_a_tissue_in_which_nothing_opens(tissue):
-    message = r"^rupture left 0 voids in a tissue of 1500 nodes, fewer than 2, with \d+ springs broken: raise"
+    message = r"^rupture left 0 voids in a tissue of 1500 nodes, .* \d+ springs broken \(0\.0%\): it held, lower"
     with pytest.raises(ComputationError, match=message):
         grow_plexus(tissue, Vasculogenesis(stop_void_fraction=1.0, growth_limit=0.9))
 
@@ -219,5 +220,36 @@ def test_bad_input(change, seed, message):
 
 
 def test_a_time_step_above_the_limit(tissue):
-    with pytest.raises(InputError, match=r"time step 3 exceeds the stability limit 1\.\d+"):
+    with pytest.raises(InputError, match=r"time_step = 3 exceeds the stability limit 0\.\d+"):
         grow_plexus(tissue, Vasculogenesis(time_step=3.0))
+
+
+@pytest.mark.parametrize("change", [{"time_step": 50.0}, {"time_step": 1.0}])
+def test_the_time_step_is_refused_before_anything_is_watched(tissue, change):
+    # 1.0 is stable in growth, with damping 5, and not in tightening, with damping 0.3.
+    told = []
+    with pytest.raises(
+        InputError, match=r"^vasculogenesis\.time_step = \d+ exceeds the stability limit 0\.\d+ of this"
+    ):
+        grow_plexus(tissue, Vasculogenesis(**change), watch=told.append)
+    assert told == []
+
+
+def test_the_stability_limits_do_not_depend_on_the_units(tissue):
+    big = SpringNetwork(tissue.points, tissue.springs, None, 4.0, 16.0, 9.0, tissue.pinned, triangles=tissue.triangles)
+    chosen = Vasculogenesis()
+    np.testing.assert_allclose(stability_limits(big, chosen), stability_limits(tissue, chosen), rtol=1e-9)
+    assert check_time_step(tissue, chosen) == stability_limits(tissue, chosen)
+    assert tissue.damping == tissue.tether == 0.0
+
+
+def test_advice_where_the_tissue_held(tissue):
+    message = r"with 0 springs broken \(0\.0%\): it held, lower threshold or growth_limit$"
+    with pytest.raises(ComputationError, match=message):
+        grow_plexus(tissue, Vasculogenesis(stop_void_fraction=1.0, growth_limit=0.9))
+
+
+def test_advice_where_the_tissue_cracked(tissue):
+    process = Process(tissue, Vasculogenesis(), 0, None)
+    assert "raise threshold" in process._advice(int(0.06 * len(tissue.springs)))
+    assert "lower threshold" in process._advice(int(0.04 * len(tissue.springs)))

@@ -97,3 +97,15 @@ def test_small_tissues_of_many_seeds():
 def test_bad_input(nodes, seed, message):
     with pytest.raises(InputError, match=message):
         lattice(nodes, seed)
+
+
+@pytest.mark.parametrize("nodes", [25.0, "a", True, None])
+def test_nodes_are_a_whole_number(nodes):
+    with pytest.raises(InputError, match="a whole number from 25 up"):
+        lattice(nodes)
+
+
+@pytest.mark.parametrize("nodes", [5_000_001, 10**9, 10**26])
+def test_too_many_nodes(nodes):
+    with pytest.raises(InputError, match=f"a tissue of {nodes} nodes cannot be made: at most 5000000 are possible"):
+        lattice(nodes)

@@ -40,7 +40,7 @@ def test_every_field_refuses_nonsense(field, value):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"growth_rate": 0.0}, r"growth_rate is 0.0, expected a number in \(0, inf\)"),
+        ({"growth_rate": 0.0}, r"growth_rate is 0.0, expected a number in \[1e-06, 1e\+06\]"),
         ({"stop_void_fraction": 1.1}, r"stop_void_fraction is 1.1, expected a number in \(0, 1\]"),
         ({"time_step": 0}, "time_step is 0, expected"),
         ({"final_rest_factor": 0.5}, "final_rest_factor 0.5 is above growth_limit 0.4"),
@@ -54,3 +54,17 @@ def test_ranges(change, message):
 def test_frozen():
     with pytest.raises(dataclasses.FrozenInstanceError):
         Vasculogenesis().tether = 1.0
+
+
+@pytest.mark.parametrize("field", ["damping", "tightening_damping", "tether", "hold", "quiet_time", "settling_time"])
+def test_upper_ends(field):
+    assert getattr(Vasculogenesis(**{field: 1e6}), field) == 1e6
+    with pytest.raises(InputError, match=rf"^{field} is 1e\+300, expected a number in [\[(]0, 1e\+06\]$"):
+        Vasculogenesis(**{field: 1e300})
+
+
+@pytest.mark.parametrize("field", ["growth_rate", "time_step"])
+def test_lower_ends(field):
+    assert getattr(Vasculogenesis(**{field: 1e-6}), field) == 1e-6
+    with pytest.raises(InputError, match=rf"^{field} is 1e-07, expected a number in \[1e-06, 1e\+06\]$"):
+        Vasculogenesis(**{field: 1e-7})

@@ -44,7 +44,7 @@ def generate_mesh(
     *,
     across: float = 0.0,
     grading: float = 0.25,
-    iterations: int = 3,
+    iterations: int = 10,
     max_triangles: int = 5_000_000,
 ) -> Triangulation:
     """Triangulate the fluid of a domain.
@@ -62,7 +62,7 @@ def generate_mesh(
         width of their passage.
     grading : float, dimensionless, default 0.25
         Largest change of the edge length per length.
-    iterations : int, default 3
+    iterations : int, default 10
         Rounds of truss relaxation, snapping and flips.
     max_triangles : int, default 5 000 000
         A mesh predicted to be larger is refused.

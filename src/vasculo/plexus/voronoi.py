@@ -16,7 +16,7 @@ from scipy.spatial import Voronoi
 from vasculo.errors import InputError
 from vasculo.geometry.domain import Domain
 from vasculo.geometry.neighbours import as_polygons
-from vasculo.geometry.outline import as_outline, resample
+from vasculo.geometry.outline import as_outline, is_number, resample
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,6 +31,16 @@ ROUNDING = 0.3
 """Radius of the rounded corners, in mean pillar radii."""
 WIDEST_CHANNEL = 3.0
 """Widest channel, in mean pillar radii: beyond it the pillars stand alone and the block is mostly fluid."""
+MOST_PILLARS = 100_000
+"""Most pillars of a block."""
+FEWEST_NODES, MOST_NODES = 8, 100_000
+"""Fewest and most nodes of a disk's outline."""
+LARGEST = 1e6
+"""Longest width, height or radius (R0, or model length for the disk)."""
+WIDEST_PAD = 100.0
+"""Longest plain strip before and behind the block (R0)."""
+FINEST = 1e-3
+"""Shortest distance between outline nodes (R0)."""
 THINNEST = 0.35
 """Pillars with an equivalent radius below this many mean pillar radii are dropped."""
 
@@ -53,19 +63,19 @@ def voronoi_plexus(
     Parameters
     ----------
     pillars : int
-        Number of cells. A cell too thin for a pillar is dropped, so there may be a few pillars less.
+        Number of cells, 1 to 100,000. A cell too thin for a pillar is dropped, so there may be a few pillars less.
     width, height : float, optional
-        Size of the whole box, pads included (R0). Give both or neither; with both, the mean radius follows from the
-        box and is only about 1 (1.2 for 16 pillars in 16 x 9).
+        Size of the whole box, pads included, above 0 and at most 1e6 (R0). Give both or neither; with both, the mean
+        radius follows from the box and is only about 1 (1.2 for 16 pillars in 16 x 9).
     channel : float
-        Width of the channels between pillars, at most 3 (R0). At the top and bottom, mirror walls, the pillars keep
-        half of it.
+        Width of the channels between pillars, above 0 and at most 3 (R0). At the top and bottom, mirror walls, the
+        pillars keep half of it.
     pad : float
-        Plain strip before and behind the block (R0).
+        Plain strip before and behind the block, 0 to 100 (R0).
     seed : int
         Seed of the random points.
     spacing : float
-        Distance between outline nodes (R0).
+        Distance between outline nodes, at least 0.001 (R0).
 
     Returns
     -------
@@ -75,19 +85,21 @@ def voronoi_plexus(
     Raises
     ------
     InputError
-        When a length is not positive and finite, the channel is wider than three radii, only one of width and height is
-        given, or no pillar is left.
+        When a value is outside its range, only one of width and height is given, or no pillar is left.
     """
     if (width is None) != (height is None):
         raise InputError(f"give both width and height or neither, got width {width} and height {height}")
-    lengths = {"channel": channel, "spacing": spacing, "width": width or 1.0, "height": height or 1.0}
-    for name, value in lengths.items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} must be positive, got {value}")
+    for name, value in {"channel": channel, "spacing": spacing, "width": width, "height": height}.items():
+        if value is not None:
+            _check_length(name, value)
+    if spacing < FINEST:
+        raise InputError(f"spacing must be at least {FINEST:g} mean pillar radii, got {spacing:g}")
     if channel > WIDEST_CHANNEL:
         raise InputError(f"channel must be at most {WIDEST_CHANNEL:g} mean pillar radii, got {channel:g}")
-    if pillars < 1 or not (np.isfinite(pad) and pad >= 0.0):
-        raise InputError(f"at least 1 pillar and a pad of at least 0 are needed, got {pillars} and {pad}")
+    if not _is_whole(pillars) or not 1 <= pillars <= MOST_PILLARS:
+        raise InputError(f"pillars = {pillars!r} must be a whole number: at least 1 pillar, at most {MOST_PILLARS}")
+    if not is_number(pad) or not 0.0 <= pad <= WIDEST_PAD:
+        raise InputError(f"pad must lie from 0 to {WIDEST_PAD:g} mean pillar radii, got {pad!r}")
     rng = np.random.default_rng(seed)
     if width is not None and height is not None:
         block = np.array([width - 2.0 * pad, height])
@@ -113,11 +125,11 @@ def disk_domain(width: float = 12.0, height: float = 8.0, radius: float = 1.0, n
     Parameters
     ----------
     width, height : float
-        Size of the box (model length), corner at the origin.
+        Size of the box, above 0 and at most 1e6 (model length), corner at the origin.
     radius : float
-        Radius of the disk (model length).
+        Radius of the disk, above 0 (model length).
     nodes : int
-        Nodes of the disk's outline, evenly spaced on the circle; at least 8.
+        Nodes of the disk's outline, evenly spaced on the circle; 8 to 100,000.
 
     Returns
     -------
@@ -127,14 +139,31 @@ def disk_domain(width: float = 12.0, height: float = 8.0, radius: float = 1.0, n
     Raises
     ------
     InputError
-        When the disk does not fit, or has too few nodes.
+        When a value is outside its range, or the disk does not fit.
     """
-    if not (radius > 0.0 and 2.0 * radius < min(width, height)) or nodes < 8:
+    for name, value in {"width": width, "height": height, "radius": radius}.items():
+        _check_length(name, value)
+    if not _is_whole(nodes) or not FEWEST_NODES <= nodes <= MOST_NODES:
+        raise InputError(f"nodes must be a whole number from {FEWEST_NODES} to {MOST_NODES}, got {nodes!r}")
+    if not 2.0 * radius < min(width, height):
         box = f"{width:g} x {height:g}"
-        raise InputError(f"a disk of radius {radius:g} with {nodes} nodes does not go into {box}: 8 nodes, room needed")
+        raise InputError(f"a disk of radius {radius:g} does not go into {box}: lower radius or raise width and height")
     angle = 2.0 * np.pi * np.arange(nodes) / nodes
     disk = np.stack([0.5 * width + radius * np.cos(angle), 0.5 * height + radius * np.sin(angle)], axis=1)
     return Domain.rectangle(width, height, [disk])
+
+
+def _is_whole(value: object) -> bool:
+    """Whether a value is a whole number (truth values are not)."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def _check_length(name: str, value: float) -> None:
+    """Refuse what is no length, and what is too long."""
+    if not is_number(value) or not 0.0 < value < np.inf:
+        raise InputError(f"{name} must be positive and finite, got {value!r}")
+    if value > LARGEST:
+        raise InputError(f"{name} must be at most {LARGEST:g}, got {value:g}")
 
 
 def _cells(count: int, block: Floats, rng: np.random.Generator) -> list[Floats]:

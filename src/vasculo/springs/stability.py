@@ -27,7 +27,7 @@ ITERATIONS = 30
 
 def longest_step(stiffness: Floats, mass: Floats, damping: float) -> Floats:
     """Longest stable time step of single modes, from their stiffness, mass and damping; infinite without stiffness."""
-    root = damping + np.sqrt(damping**2 + 4.0 * mass * stiffness)
+    root = damping + np.hypot(damping, 2.0 * np.sqrt(mass * stiffness))
     return np.asarray(np.where(stiffness > 0.0, root / np.where(stiffness > 0.0, stiffness, 1.0), np.inf))
 
 

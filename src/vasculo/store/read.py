@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,7 +23,7 @@ from vasculo.store.table import COLUMNS, STAGES
 from vasculo.store.vtkhdf import TransientGrid
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
@@ -228,32 +229,32 @@ class Run:
 
     def domain(self, step: int | None = None) -> Domain:
         """Domain at a step of the angiogenesis, the last one when `step` is None."""
-        with h5py.File(self.path) as file:
+        with _reading(self.path, " in its domain"), h5py.File(self.path) as file:
             if "domain" not in file["run"]:
                 raise InputError(f"{self.folder} has no domain: the run did not come to the extraction")
             outer = file["run/domain/outer"][:]
-        sides = json.loads(self._fact("domain/sides"))
+        sides = self._fact("domain/sides")
         return Domain(outer, self.pillars(step).outlines, sides)
 
     def facts(self, name: str) -> Any:  # whatever was stored: numbers and words
         """Return stored facts by name ("extraction", "stages", ...), an empty dict when there are none."""
-        with h5py.File(self.path) as file:
+        with _reading(self.path, f" in its {name}"), h5py.File(self.path) as file:
             if name not in file["run"]:
                 return {}
-        return json.loads(self._fact(name))
+        return self._fact(name)
 
     @cached_property
     def _sides(self) -> tuple[str, ...]:
-        return tuple(sorted(set(json.loads(self._fact("domain/sides")))))
+        return tuple(sorted(set(self._fact("domain/sides"))))
 
-    def _fact(self, name: str) -> str:
-        with h5py.File(self.path) as file:
-            return str(file[f"run/{name}"].asstr()[()])
+    def _fact(self, name: str) -> Any:  # whatever was stored
+        with _reading(self.path, f" in its {name}"), h5py.File(self.path) as file:
+            return json.loads(str(file[f"run/{name}"].asstr()[()]))
 
     def _read(self, read: Callable[[h5py.File, int], Any], stage: str, step: int | None) -> Any:
         """Read one frame, with the file open for just that long."""
         frame = self.frame(stage, step)
-        with h5py.File(self.path) as file:
+        with _reading(self.path, f" at {stage} step {frame.step}"), h5py.File(self.path) as file:
             return read(file, frame.index)
 
 
@@ -283,10 +284,25 @@ def open_run(path: str | Path) -> Run:
         return Run(record)
     except BlockingIOError:
         raise InputError(f"{record} is being written by a run that goes on: wait for its end") from None
-    except (OSError, KeyError, ValueError, IndexError) as error:
+    except (OSError, KeyError, ValueError, IndexError, OverflowError, RuntimeError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{record} is no readable record of a run: {first_line(error)}") from None
+
+
+@contextmanager
+def _reading(path: Path, where: str) -> Iterator[None]:
+    """Turn what HDF5 says of a record it cannot read into one line with the file and a way out."""
+    try:
+        yield
+    except InputError:
+        raise
+    except BlockingIOError:
+        raise InputError(f"{path} is being written by a run that goes on: wait for its end") from None
+    except (OSError, KeyError, ValueError, IndexError, RuntimeError) as error:
+        raise InputError(
+            f"{path} is damaged{where} ({first_line(error)}): bring back a sound copy, or run the study anew"
+        ) from None
 
 
 def _split(rows: NDArray[Any], sizes: NDArray[np.int32]) -> list[NDArray[Any]]:

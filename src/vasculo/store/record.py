@@ -10,6 +10,7 @@ import errno
 import json
 import os
 import shutil
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -23,7 +24,7 @@ from vasculo.store.table import COLUMNS, STAGES, Row
 from vasculo.store.vtkhdf import GridFrame, TransientGrid, extend
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from vasculo.pillars.state import Merge, RemodelStep
 
 FORMAT = 1
+_LAYOUT = ("VTKHDF", "run", "run/metrics", "run/pillars")
 _ROOM = 4 * 2**20  # bytes that must stay free on the disk beyond what a frame needs
 
 
@@ -69,14 +71,19 @@ class Record:
         """
         guard = GuardedFile(path, "x")
         file = h5py.File(guard, "w")
-        file.create_group("VTKHDF")
-        run = file.create_group("run")
-        run.attrs.update({"format": FORMAT, "complete": 0, "version": version})
-        run.create_dataset("settings", data=settings)
-        for name in ("pillars", "metrics"):
-            run.create_group(name)
-        record = cls(file, guard)
-        record._flush()
+        try:
+            file.create_group("VTKHDF")
+            run = file.create_group("run")
+            run.attrs.update({"format": FORMAT, "complete": 0, "version": version})
+            run.create_dataset("settings", data=settings)
+            for name in ("pillars", "metrics"):
+                run.create_group(name)
+            record = cls(file, guard)
+            record._flush()
+        except BaseException:
+            file.close()
+            guard.close()
+            raise
         return record
 
     @classmethod
@@ -88,24 +95,42 @@ class Record:
         InputError
             When the file is damaged or holds fewer frames.
         """
-        guard = GuardedFile(path, "r+")
-        try:
-            record = cls(h5py.File(guard, "r+"), guard)
-        except (OSError, KeyError) as error:
-            guard.close()
-            raise InputError(f"{path} cannot be continued ({first_line(error)}): start the run anew") from None
+        record = cls._open(path, "continued")
         if len(record) < frames:
             found = len(record)
             record.close()
             raise InputError(f"{path} holds {found} frames, the checkpoint expects {frames}: start the run anew")
-        record._truncate(frames)
+        record._truncate(frames)  # noqa: SLF001  # one of this class
         return record
 
     @classmethod
     def amend(cls, path: Path) -> Record:
-        """Open a complete record to change its facts."""
+        """Open a complete record to change its facts.
+
+        Raises
+        ------
+        InputError
+            When the file is damaged.
+        """
+        return cls._open(path, "changed")
+
+    @classmethod
+    def _open(cls, path: Path, purpose: str) -> Record:
+        """Open the record that is there; looked at first in a way that writes nothing."""
         guard = GuardedFile(path, "r+")
-        return cls(h5py.File(guard, "r+"), guard)
+        file = None
+        try:
+            with h5py.File(guard, "r") as found:
+                missing = [name for name in _LAYOUT if name not in found]
+            if missing:
+                raise InputError(f"there is no group {', '.join(missing)} in it")  # noqa: TRY301  # told below
+            file = h5py.File(guard, "r+")
+            return cls(file, guard)
+        except (InputError, OSError, KeyError, ValueError, RuntimeError) as error:
+            if file is not None:
+                file.close()
+            guard.close()
+            raise InputError(f"{path} cannot be {purpose} ({first_line(error)}): start the run anew") from None
 
     def __len__(self) -> int:
         return len(self._grid)
@@ -139,30 +164,32 @@ class Record:
 
     def set_domain(self, domain: Domain) -> None:
         """Store the outer boundary; it is the same in every frame."""
-        group = self._run.require_group("domain")
-        for name in list(group):
-            del group[name]
-        group["outer"] = domain.outer
-        group["sides"] = json.dumps(domain.sides)
-        self._flush()
+        with self._writing():
+            group = self._run.require_group("domain")
+            for name in list(group):
+                del group[name]
+            group["outer"] = domain.outer
+            group["sides"] = json.dumps(domain.sides)
 
     def set_facts(self, name: str, facts: Mapping[str, Any] | Sequence[Any]) -> None:
         """Store named facts (numbers and words) under `run`, as JSON text: the extraction report, the stages."""
-        if name in self._run:
-            del self._run[name]
-        self._run[name] = json.dumps(facts)
-        self._flush()
+        with self._writing():
+            if name in self._run:
+                del self._run[name]
+            self._run[name] = json.dumps(facts)
 
     def finish(self) -> None:
         """Mark the record as complete."""
-        self._run.attrs["complete"] = 1
-        self._flush()
+        with self._writing():
+            self._run.attrs["complete"] = 1
 
     def close(self) -> None:
         """Close the file; it can be read from now on."""
         with uninterrupted():
-            self._file.close()
-            self._guard.close()
+            try:
+                self._file.close()
+            finally:
+                self._guard.close()
         self._guard.check()
 
     def _add(self, stage: str, row: Row, frame: GridFrame, outlines: dict[str, NDArray[Any]] | None = None) -> None:
@@ -171,24 +198,33 @@ class Record:
         fields = {"stage": number, "step": row["step"], "time": row["time"]}
         frame.field_data.update({name: np.array([value], dtype=np.float64) for name, value in fields.items()})
         require_room(self.path, sum(a.nbytes for a in (*frame.cell_data.values(), *frame.point_data.values())))
-        with uninterrupted():
+        with uninterrupted(), self._writing():
             for name in COLUMNS:
                 value = number if name == "stage" else float(row.get(name, np.nan))
                 extend(self._run["metrics"], name, np.array([value]))
             if outlines is not None:
                 self._pillars.append(outlines)
             self._grid.append(len(self._grid), frame)
-            self._flush()
 
     def _truncate(self, frames: int) -> None:
-        self._grid.truncate(frames)
-        metrics = self._run["metrics"]
-        for name in list(metrics):
-            metrics[name].resize(frames, axis=0)
-        stages = metrics["stage"][:] if frames else np.empty(0)
-        self._pillars.truncate(int(np.count_nonzero(stages == STAGES.index("angiogenesis"))))
-        self._run.attrs["complete"] = 0
-        self._flush()
+        with self._writing():
+            self._grid.truncate(frames)
+            metrics = self._run["metrics"]
+            for name in list(metrics):
+                metrics[name].resize(frames, axis=0)
+            stages = metrics["stage"][:] if frames else np.empty(0)
+            self._pillars.truncate(int(np.count_nonzero(stages == STAGES.index("angiogenesis"))))
+            self._run.attrs["complete"] = 0
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Flush what the block wrote; when a write failed, tell that rather than what HDF5 made of it."""
+        try:
+            yield
+            self._flush()
+        except (OSError, RuntimeError, KeyError, ValueError):
+            self._guard.check()
+            raise
 
     def _flush(self) -> None:
         with uninterrupted():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vasculo.errors import InputError
 from vasculo.mesh.generate import generate_mesh
 from vasculo.study.drawn import drawn_domain
 from vasculo.tissue.lattice import lattice
+from vasculo.tissue.vasculogenesis import check_time_step
 
 if TYPE_CHECKING:
     from vasculo.study.settings import Settings
@@ -24,6 +24,9 @@ _BASE_MEMORY = 240.0  # MB of the program itself
 _FIGURES_TIME = 5.0  # seconds
 _TRIANGLES_PER_PILLAR = 150.0  # of the flow mesh, two triangles across a passage
 _MEDIUM_VOIDS, _MEDIUM_NODES, _MEDIUM_LOAD = 145.0, 12_000, 0.0045  # voids of the preset "medium"
+
+_LONG_NUMBER = 1e9  # numbers from here on are written with an exponent
+_UNITS = (("days", 86400.0), ("h", 3600.0), ("min", 60.0))
 
 
 def forecast(settings: Settings) -> Lines:
@@ -62,8 +65,8 @@ def forecast(settings: Settings) -> Lines:
         size += _FRAME_TRIANGLE * triangles * (steps // settings.output.step_every + 1) / 1e6
         lines.append(("geometry steps", str(steps)))
     lines += [
-        ("expected memory", f"about {memory:.0f} MB"),
-        ("expected record", f"about {max(size, 1.0):.0f} MB"),
+        ("expected memory", f"about {_number(memory)} MB"),
+        ("expected record", f"about {_number(max(size, 1.0))} MB"),
         ("expected time", f"about {_duration(seconds)} on one core, compiling (once) not counted"),
     ]
     return lines
@@ -73,17 +76,7 @@ def _tissue(settings: Settings) -> tuple[Lines, float, float]:
     """Lines, seconds and MB of the vasculogenesis."""
     keys = settings.vasculogenesis
     network = lattice(**settings.tissue, seed=settings.study.seed)
-    network.tether = keys.tether
-    limits = []
-    for damping in (keys.damping, keys.tightening_damping):
-        network.damping = damping
-        limits.append(network.stability_limit())
-    limit = min(limits)
-    if keys.time_step > limit:
-        raise InputError(
-            f"vasculogenesis.time_step = {keys.time_step:g} exceeds the stability limit {limit:.3g} of this tissue "
-            f"({limits[0]:.3g} in growth, {limits[1]:.3g} in tightening): lower it below the limit"
-        )
+    limits = check_time_step(network, keys)
     growth = (1.0 - max(keys.growth_limit, 0.6)) / keys.growth_rate
     hold = keys.hold if keys.self_stopping else 0.0
     steps = (growth + hold + keys.tightening_time + keys.settling_time) / keys.time_step
@@ -94,18 +87,19 @@ def _tissue(settings: Settings) -> tuple[Lines, float, float]:
         ("springs", str(len(network.springs))),
         ("mean spring length", f"{length:.4g} of the side"),
         ("time step", f"{keys.time_step:g}, stability limit {limits[0]:.3g} in growth, {limits[1]:.3g} in tightening"),
-        ("time steps", f"about {steps:.0f}"),
-        ("expected pillars", f"about {_voids(settings):.0f}"),
+        ("time steps", f"about {_number(steps)}"),
+        ("expected pillars", f"about {_number(_voids(settings))}"),
     ]
     frames = checks / settings.output.growth_every + 8
     return lines, steps * _SPRING_STEP * len(network.springs), frames * _FRAME_SPRING * len(network.springs) / 1e6
 
 
 def _voids(settings: Settings) -> float:
-    """Estimate the voids: in proportion to the nodes, and about the 0.6th power of load times damping."""
+    """Estimate the voids: proportional to the nodes, about the 0.6th power of load times damping; at most the nodes."""
     keys = settings.vasculogenesis
     load = keys.growth_rate * max(keys.damping, 1.0) / _MEDIUM_LOAD
-    return float(_MEDIUM_VOIDS * settings.tissue["nodes"] / _MEDIUM_NODES * load**0.6)
+    nodes = settings.tissue["nodes"]
+    return float(min(_MEDIUM_VOIDS * nodes / _MEDIUM_NODES * load**0.6, nodes))
 
 
 def _drawn(settings: Settings) -> tuple[Lines, float]:
@@ -122,5 +116,14 @@ def _drawn(settings: Settings) -> tuple[Lines, float]:
     return lines, float(len(mesh.triangles))
 
 
+def _number(value: float) -> str:
+    """Write a number without a long row of digits."""
+    return f"{value:.0f}" if value < _LONG_NUMBER else f"{value:.3g}"
+
+
 def _duration(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
+    """Write a time in the unit that suits it."""
+    for unit, length in _UNITS:
+        if seconds >= 1.5 * length:
+            return f"{_number(seconds / length)} {unit}"
+    return f"{seconds:.0f} s"

@@ -11,7 +11,7 @@ import vasculo
 from vasculo.errors import ComputationError, InputError
 from vasculo.store.checkpoint import Checkpoint
 from vasculo.store.read import CHECKPOINT, LOG, RECORD, STUDY, TABLE, Run, open_run
-from vasculo.store.record import Record
+from vasculo.store.record import Record, first_line
 from vasculo.store.table import write_whole
 from vasculo.study.builtin import find_study
 from vasculo.study.folder import Log, new_folder, old_folder
@@ -239,9 +239,11 @@ def _clear(folder: Path) -> None:
 
 
 def _disk_message(folder: Path, error: OSError) -> str:
-    """Say in one line what could not be written, and how to go on."""
+    """Say in one line what could not be written, and how to go on; or that the record cannot be read."""
+    if error.errno is None and "writing" not in str(error):  # from HDF5; what it writes fails with a number
+        return f"{folder / RECORD} is damaged ({first_line(error)}): start the run anew"
     free = shutil.disk_usage(folder).free / 2**20
-    what = error.strerror or str(error).splitlines()[0]
+    what = error.strerror or first_line(error)
     where = error.filename or folder
     return (
         f"{where} cannot be written: {what} ({free:.0f} MB free); what was written before is kept, "

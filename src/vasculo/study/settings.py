@@ -6,6 +6,7 @@ import tomllib
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from vasculo.errors import InputError
@@ -148,6 +149,7 @@ def parse_study(
             raise InputError(f"{where}: [{name}] has no use in a study with domain.kind = {kind!r}: leave it out")
     given = dict(tables.get("domain", {}))
     given.pop("kind", None)
+    _check_domain_keys(kind, given, source, origin)
     parts = {
         name: _section(section, tables.get(name, {}), source, origin)
         for name, section in SECTIONS.items()
@@ -206,6 +208,19 @@ def _kind(tables: Tables, source: str, origin: Mapping[str, str]) -> str:
     return kind
 
 
+def _check_domain_keys(kind: str, given: Mapping[str, Any], source: str, origin: Mapping[str, str]) -> None:
+    """Refuse keys that go with another kind of domain."""
+    keys = {each: keys_of(domain_section(each).target, domain_section(each).skip) for each in DOMAIN_KINDS}
+    for name in given:
+        homes = [repr(each) for each in DOMAIN_KINDS if name in keys[each]]
+        if homes and name not in keys[kind]:
+            where = origin.get(f"domain.{name}") or origin.get("domain.kind") or source
+            raise InputError(
+                f"{where}: unknown key domain.{name} with domain.kind = {kind!r}: "
+                f"it goes with {' or '.join(homes)}, leave it out or change domain.kind"
+            )
+
+
 def _override(tables: Tables, path: str, value: object, label: str) -> None:
     """Put one value into the tables."""
     section, dot, key = path.partition(".")
@@ -213,7 +228,7 @@ def _override(tables: Tables, path: str, value: object, label: str) -> None:
         raise InputError(f"{label}: {path!r} names no key: give section.key, for example angiogenesis.steps")
     table = tables.setdefault(section, {})
     if isinstance(table, dict):
-        table[key] = value
+        table[key] = value.item() if isinstance(value, np.generic) else value
 
 
 def _where(path: str, source: str, origin: Mapping[str, str]) -> str:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 FEWEST = 25
 """Fewest nodes: below, the frame leaves no interior."""
 
+MOST = 5_000_000
+"""Most nodes: beyond, memory and time run out."""
+
 SWEEPS = 3
 """Sweeps of Lloyd's method: even spacing, still irregular."""
 
@@ -39,7 +42,7 @@ def lattice(nodes: int = 12_000, seed: int = 0) -> SpringNetwork:
     Parameters
     ----------
     nodes : int
-        Number of nodes, at least 25. 12,000 nodes give about 35,600 springs, as in the paper.
+        Number of nodes, 25 to 5,000,000. 12,000 nodes give about 35,600 springs, as in the paper.
     seed : int
         Seed of the random positions, >= 0. The same seed gives the same tissue.
 
@@ -52,15 +55,19 @@ def lattice(nodes: int = 12_000, seed: int = 0) -> SpringNetwork:
     Raises
     ------
     InputError
-        For too few nodes or a seed that is not a whole number >= 0.
+        For too few or too many nodes or a seed that is not a whole number >= 0.
 
     Notes
     -----
     Szczerba & Szekely 2005, section 2, start from "a given uniform unstructured triangular grid covering a unit
     square" of roughly 12,000 nodes and 35,000 springs. How it is made is ours.
     """
-    if isinstance(nodes, bool) or not isinstance(nodes, int | np.integer) or nodes < FEWEST:
-        raise InputError(f"a tissue of {nodes!r} nodes cannot be made: at least {FEWEST} are needed")
+    if isinstance(nodes, bool) or not isinstance(nodes, int | np.integer):
+        raise InputError(f"a tissue of {nodes!r} nodes cannot be made: give a whole number from {FEWEST} up")
+    if nodes < FEWEST:
+        raise InputError(f"a tissue of {nodes} nodes cannot be made: at least {FEWEST} are needed")
+    if nodes > MOST:
+        raise InputError(f"a tissue of {nodes} nodes cannot be made: at most {MOST} are possible")
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
         raise InputError(f"seed is {seed!r}, expected a whole number >= 0")
     rng = np.random.default_rng(int(as_number("seed", seed)))

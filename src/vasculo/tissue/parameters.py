@@ -14,23 +14,26 @@ from vasculo.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+_LEAST, _MOST = 1e-6, 1e6
+"""Ends of the ranges that have no natural one: beyond them a run would not end, or leave the finite numbers."""
+
 _RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
     # name: lowest, highest, is the lowest value itself allowed
     {
-        "growth_rate": (0.0, np.inf, False),
-        "damping": (0.0, np.inf, True),
-        "threshold": (0.0, np.inf, False),
+        "growth_rate": (_LEAST, _MOST, True),
+        "damping": (0.0, _MOST, True),
+        "threshold": (0.0, _MOST, False),
         "threshold_spread": (0.0, 1.0, True),
-        "tether": (0.0, np.inf, True),
+        "tether": (0.0, _MOST, True),
         "stop_void_fraction": (0.0, 1.0, False),
         "growth_limit": (0.0, 1.0, False),
-        "quiet_time": (0.0, np.inf, False),
-        "hold": (0.0, np.inf, False),
+        "quiet_time": (0.0, _MOST, False),
+        "hold": (0.0, _MOST, False),
         "final_rest_factor": (0.0, 1.0, True),
-        "tightening_damping": (0.0, np.inf, True),
-        "tightening_time": (0.0, np.inf, False),
-        "settling_time": (0.0, np.inf, True),
-        "time_step": (0.0, np.inf, False),
+        "tightening_damping": (0.0, _MOST, True),
+        "tightening_time": (0.0, _MOST, False),
+        "settling_time": (0.0, _MOST, True),
+        "time_step": (_LEAST, _MOST, True),
     }
 )
 
@@ -46,7 +49,7 @@ class Vasculogenesis:
     Parameters
     ----------
     growth_rate : float
-        Rate rho at which the rest-length factor s falls from 1 (1 / time), > 0. Larger: more and smaller voids.
+        Rate rho at which the rest-length factor s falls from 1 (1 / time), >= 1e-6. Larger: more and smaller voids.
     damping : float
         Friction D on each node while springs may break (sqrt(k m)), >= 0. Only D rho counts once D is above 1.
     threshold : float
@@ -71,7 +74,7 @@ class Vasculogenesis:
     tightening_time, settling_time : float
         Time over which the rest lengths fall to the final factor, > 0, and the time after it, >= 0.
     time_step : float
-        Time step dt, > 0.
+        Time step dt, >= 1e-6 and below the stability limit of the tissue.
 
     Raises
     ------
@@ -99,7 +102,7 @@ class Vasculogenesis:
             value = getattr(self, name)
             number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
             if not number or not np.isfinite(value) or not low <= value <= high or (value == low and not closed):
-                bounds = f"{'[' if closed else '('}{low:g}, {high:g}{']' if np.isfinite(high) else ')'}"
+                bounds = f"{'[' if closed else '('}{low:g}, {high:g}]"
                 raise InputError(f"{name} is {value!r}, expected a number in {bounds}")
         if self.final_rest_factor > self.growth_limit:
             raise InputError(

@@ -26,6 +26,9 @@ HELD_TOGETHER = 0.99
 NODES_A_VOID = 600
 """Most nodes for each void; with fewer voids the tissue has cracked instead of opening everywhere."""
 
+MUCH_BROKEN = 0.05
+"""Share of broken springs from which a tissue without voids has cracked; below, it held. A plexus lost 0.11 or more."""
+
 CLOSING_SHARE = 0.8
 """Stretch at which rupture is expected to close, over the threshold; only for the estimate of the steps to come."""
 
@@ -92,9 +95,14 @@ class Process:
             broken = self.springs_at_start - len(self.network.springs)
             raise ComputationError(
                 f"rupture left {voids} voids in a tissue of {len(self.network.points)} nodes, fewer than {least}, with "
-                f"{broken} springs broken: raise growth_rate or damping if it cracked, lower growth_limit or threshold "
-                "if it held"
+                f"{broken} springs broken ({broken / self.springs_at_start:.1%}): {self._advice(broken)}"
             )
+
+    def _advice(self, broken: int) -> str:
+        """Say what to change when too few voids opened."""
+        if broken >= MUCH_BROKEN * self.springs_at_start:
+            return "it cracked, raise threshold or growth_rate or damping"
+        return "it held, lower threshold or growth_limit"
 
     def _wait(self) -> int:
         """Hold growth until no spring has broken for the quiet time; returns the number of voids."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from vasculo.springs.network import SpringNetwork
 
-__all__ = ["PRESETS", "GrowthPhase", "GrowthStep", "Vasculogenesis", "grow_plexus"]
+__all__ = ["PRESETS", "GrowthPhase", "GrowthStep", "Vasculogenesis", "check_time_step", "grow_plexus"]
 
 
 def grow_plexus(
@@ -51,7 +51,8 @@ def grow_plexus(
     Raises
     ------
     InputError
-        When the tissue has no triangles or no free node, or the time step exceeds the stability limit.
+        When the tissue has no triangles or no free node, or the time step exceeds the stability limit in growth or
+        in tightening; before the first call of `watch`.
     ComputationError
         When the voids do not reach `stop_void_fraction` before the growth limit, rupture does not end by itself where
         it should, less than 99 % of the nodes hold together, or the tissue has cracked into a few huge voids.
@@ -69,8 +70,51 @@ def grow_plexus(
         raise InputError(
             f"a tissue of {len(tissue.springs)} springs and {int((~tissue.pinned).sum())} free nodes cannot grow"
         )
+    check_time_step(tissue, chosen)
     process = Process(tissue, chosen, int(seed), watch)
     process.rupture()
     process.drop_loose_pieces()
     process.tighten()
     return process.network_now()
+
+
+def stability_limits(tissue: SpringNetwork, parameters: Vasculogenesis) -> tuple[float, float]:
+    """Longest stable time steps of a tissue in growth and in tightening (sqrt(m / k))."""
+    stiffness, mass = float(np.mean(tissue.stiffness)), float(np.mean(tissue.masses))
+    network = tissue.copy()
+    network.tether = parameters.tether * stiffness
+    limits = []
+    for damping in (parameters.damping, parameters.tightening_damping):
+        network.damping = damping * float(np.sqrt(mass * stiffness))
+        limits.append(network.stability_limit() / float(np.sqrt(mass / stiffness)))
+    return limits[0], limits[1]
+
+
+def check_time_step(tissue: SpringNetwork, parameters: Vasculogenesis) -> tuple[float, float]:
+    """Refuse a time step that is unstable in growth or in tightening.
+
+    Parameters
+    ----------
+    tissue : SpringNetwork
+        The tissue before growth.
+    parameters : Vasculogenesis
+        Dampings, tether and time step.
+
+    Returns
+    -------
+    tuple of float
+        The limits in growth and in tightening (sqrt(m / k)).
+
+    Raises
+    ------
+    InputError
+        When the time step exceeds one of them.
+    """
+    growth, tightening = stability_limits(tissue, parameters)
+    limit = min(growth, tightening)
+    if parameters.time_step > limit:
+        raise InputError(
+            f"vasculogenesis.time_step = {parameters.time_step:g} exceeds the stability limit {limit:.3g} of this "
+            f"tissue ({growth:.3g} in growth, {tightening:.3g} in tightening): lower it below the limit"
+        )
+    return growth, tightening
