@@ -83,8 +83,8 @@ class Relaxed:
     converged: bool
 
 
-# Sums may be reordered so that the filament loop runs in vector registers; NaN still comes through.
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz", "arcp", "contract"})
+# No fastmath: freshly compiled and cached code then sum in different orders, and a run does not repeat to the bit.
+@njit(cache=True, error_model="numpy")
 def _add_filaments(x, y, interior, rest, stiffness, fx, fy):  # type: ignore[no-untyped-def]
     q = 0
     for k in range(interior.size - 1):
