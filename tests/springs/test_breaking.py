@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vasculo.errors import ComputationError
-from vasculo.springs.forces import build_adjacency
-from vasculo.springs.motion import damped_steps, damped_steps_plain
+from vasculo.springs.engine import Drive, Engine
+from vasculo.springs.motion import damped_steps_plain
 from vasculo.springs.network import SpringNetwork
 
 
@@ -98,22 +98,27 @@ def test_remove_springs_by_mask_and_by_number():
     network.advance(0.1, 3)
 
 
-@pytest.mark.parametrize("function", [damped_steps, damped_steps_plain])
-def test_the_kernels_go_back_to_the_last_good_state(function):
+def test_the_kernel_and_its_twin_stop_before_the_step_that_is_lost():
     # Node 2 overstretches its spring in step 1, the step in which node 3 leaves the finite numbers.
-    rows = build_adjacency(np.array([[0, 1], [1, 2]], np.int32), 4)
-    points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [9.0, 9.0]])
-    state = points.copy(), np.array([[0.0, 0.0], [0.0, 0.0], [2.0, 0.0], [0.0, 0.0]])
-    halves = np.ones(4), np.ones(4), np.full(4, 0.15)
-    broken = np.full(2, -1, np.int32)
+    springs, home = np.array([[0, 1], [1, 2]], np.int32), np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [9.0, 9.0]])
     push, load = np.array([0.1, 0.1, 0.1, 1e5]), np.zeros((4, 2))
     load[3, 1] = 1.5e303
+    speed = np.array([[0.0, 0.0], [0.0, 0.0], [2.0, 0.0], [0.0, 0.0]])
+    ours, plain = (home.copy(), speed.copy()), (home.copy(), speed.copy())
+    engine = Engine(springs, np.ones(2), np.ones(2), home, None)
+    moved = engine.move(*ours, Drive(push, np.ones(4), 0.0, home, load, 0.1), 10, np.array(0.15))
+    assert (moved.done, moved.lost) == (1, 3)
+    assert np.array_equal(ours[0], home)
+    broken = np.zeros(2, bool)
+    springy = springs, np.zeros((2, 2)), np.ones(2), np.ones(2), np.full(2, 0.15)
     with np.errstate(over="ignore"):
-        end = function(*state, *rows, *halves, push, np.ones(4), 0.0, points, load, 0.1, 1.0, 0.0, 10, broken)
-    assert end == (1, 3)
-    assert broken.tolist() == [-1, -1]
-    np.testing.assert_allclose(state[0], [[0.0, 0.0], [1.0, 0.0], [2.2, 0.0], [9.0, 1.5e307]], rtol=1e-15)
-    np.testing.assert_allclose(state[1], [[0.0, 0.0], [0.0, 0.0], [2.0, 0.0], [0.0, 1.5e308]], rtol=1e-15)
+        assert damped_steps_plain(*plain, *springy, push, np.ones(4), 0.0, home, load, 0.1, 1.0, 0.0, 10, broken) == 1
+    assert not broken.any()
+    engine.refresh(np.ones(2), np.ones(2))
+    assert not engine.move(*ours, Drive(push, np.ones(4), 0.0, home, load, 0.1), 1, np.array(0.15)).broken.any()
+    for one, other in zip(ours, plain, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-15)
+    np.testing.assert_allclose(ours[0], [[0.0, 0.0], [1.0, 0.0], [2.2, 0.0], [9.0, 1.5e307]], rtol=1e-15)
 
 
 def test_a_node_that_leaves_the_finite_numbers_stops_the_run():
@@ -143,3 +148,23 @@ def test_a_copy_keeps_the_springs_that_break_in_the_other():
     fresh.advance(0.1, 5)
     np.testing.assert_allclose(twin.points, fresh.points, rtol=0.0, atol=1e-15)
     assert len(twin.springs) == 3
+
+
+def test_tables_that_carry_broken_springs_give_the_bits_of_new_ones(make_irregular):
+    points, springs = make_irregular(900, 21)
+    limits = np.random.default_rng(22).uniform(0.15, 0.6, len(springs))
+    worn = SpringNetwork(points, springs, rest_lengths=0.75, damping=1.0)
+    alive = np.arange(len(springs))
+    kept = rebuilt = 0
+    for _ in range(40):
+        fresh = SpringNetwork(points, worn.springs, worn.rest_lengths, damping=1.0)
+        fresh.points, fresh.velocities = worn.points.copy(), worn.velocities.copy()
+        tables = worn.engine()
+        broken = worn.advance(0.1, 5, break_above=limits[alive])
+        assert np.array_equal(fresh.advance(0.1, 5, break_above=limits[alive]), broken)
+        assert np.array_equal(worn.points, fresh.points)
+        assert np.array_equal(worn.velocities, fresh.velocities)
+        alive = np.delete(alive, broken)
+        kept, rebuilt = kept + (worn.engine() is tables), rebuilt + (worn.engine() is not tables)
+    assert kept > 20
+    assert rebuilt >= 1

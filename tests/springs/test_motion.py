@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vasculo.springs.forces import build_adjacency
-from vasculo.springs.motion import damped_steps, damped_steps_plain
+from vasculo.errors import InputError
+from vasculo.springs.engine import Drive, Engine
+from vasculo.springs.motion import damped_steps_plain
 from vasculo.springs.network import SpringNetwork
 
 
@@ -181,30 +182,52 @@ def test_the_numbering_of_nodes_does_not_matter(moving):
     np.testing.assert_allclose(other.points, moving.points[order], rtol=0.0, atol=1e-11)
 
 
-def test_kernel_and_twin_agree_while_springs_break(make_irregular):
-    points, springs = make_irregular(225, 9)
+@pytest.mark.parametrize("nodes", [64, 225, 2500])
+@pytest.mark.parametrize("loaded", [True, False])
+def test_kernel_and_twin_agree_while_springs_break(make_irregular, nodes, loaded):
+    points, springs = make_irregular(nodes, 9)
     rng = np.random.default_rng(10)
-    rows = build_adjacency(springs, len(points))
     length = np.hypot(*(points[springs[:, 0]] - points[springs[:, 1]]).T)
     dt, mass, damping = 0.2, rng.uniform(0.5, 2.0, len(points)), 0.8
     keep = 1.0 / (1.0 + damping * dt / mass)
-    keep[:15] = 0.0
-    results = []
-    for function in (damped_steps, damped_steps_plain):
-        own = np.random.default_rng(11)
-        state = points.copy(), own.normal(0.0, 0.1, points.shape)
-        halves = (
-            own.uniform(0.5, 2.0, len(springs))[rows.spring],
-            length[rows.spring],
-            own.uniform(0.1, 0.5, len(springs))[rows.spring],
-        )
-        broken = np.full(len(springs), -1, np.int32)
-        forces = own.normal(0.0, 0.02, points.shape)
-        end = function(*state, *rows, *halves, dt / mass, keep, 0.05, points, forces, dt, 1.0, -0.002, 150, broken)
-        results.append((*state, broken, *end))
-    ours, plain = results
-    assert ours[3:] == plain[3:] == (150, -1)
-    assert 20 < np.count_nonzero(ours[2] >= 0) < len(springs) - 20
-    assert np.array_equal(ours[2], plain[2])
+    keep[: nodes // 15] = 0.0
+    stiffness, limit = rng.uniform(0.5, 2.0, len(springs)), rng.uniform(0.1, 0.5, len(springs))
+    load = rng.normal(0.0, 0.02, points.shape) if loaded else None
+    ours = points.copy(), rng.normal(0.0, 0.1, points.shape)
+    plain = tuple(part.copy() for part in ours)
+    drive = Drive(dt / mass, keep, 0.05 * loaded, points, load, dt, 1.0, -0.002)
+    moved = Engine(springs, stiffness, length, points, None).move(*ours, drive, 151, limit)
+    broken = np.zeros(len(springs), bool)
+    force = np.zeros_like(points) if load is None else load
+    fixed = dt / mass, keep, 0.05 * loaded, points, force, dt, 1.0, -0.002, 151, broken
+    assert damped_steps_plain(*plain, springs, np.zeros_like(length)[:, None], stiffness, length, limit, *fixed) == 151
+    assert (moved.done, moved.lost) == (151, -1)
+    assert 0 < np.count_nonzero(broken) < len(springs)
+    assert np.array_equal(moved.broken, broken)
     np.testing.assert_allclose(ours[0], plain[0], rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(ours[1], plain[1], rtol=0.0, atol=1e-10)
+
+
+def test_even_and_odd_numbers_of_steps_join(make_irregular):
+    points, springs = make_irregular(100, 3)
+    whole = SpringNetwork(points, springs, rest_lengths=0.8, damping=0.3)
+    parts = whole.copy()
+    whole.advance(0.1, 12)
+    for steps in (1, 0, 4, 7):
+        parts.advance(0.1, steps)
+    assert np.array_equal(whole.points, parts.points)
+    assert np.array_equal(whole.velocities, parts.velocities)
+
+
+def test_the_default_step_is_a_round_one_below_half_the_limit(moving):
+    for damping in (0.0, 0.3, 5.0):
+        moving.damping = damping
+        dt = moving.default_step()
+        assert 0.2 * moving.safe_limit() < dt <= 0.5 * moving.safe_limit()
+        assert f"{dt:.0e}"[0] in "125"
+    twin = moving.copy()
+    moving.advance(steps=10)
+    twin.advance(dt, 10)
+    assert np.array_equal(moving.points, twin.points)
+    with pytest.raises(InputError, match="a network of 0 springs with 1 of 1 nodes free has no stability limit"):
+        SpringNetwork([[0, 0]], []).advance()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from vasculo.errors import InputError
-from vasculo.springs.motion import damped_steps
+from vasculo.springs.engine import Drive
 from vasculo.springs.network import SpringNetwork
 
 
@@ -32,15 +32,13 @@ def eigenvalues(network):
 
 def kick(network, dt, steps, size):
     """Run the kernel itself, past any check of dt, from a small random disturbance; returns the largest one."""
-    rows = network.half_springs()
     points = network.points.copy()
     speed = np.random.default_rng(0).normal(0.0, size, points.shape)
     keep = np.where(network.pinned, 0.0, 1.0 / (1.0 + network.damping * dt / network.masses))
-    halves = network.stiffness[rows.spring], network.rest_lengths[rows.spring], np.full(rows.spring.size, np.inf)
-    fixed = dt / network.masses, keep, network.tether, network.reference, np.zeros_like(points), dt, 1.0, 0.0
+    drive = Drive(dt / network.masses, keep, network.tether, network.reference, None, dt)
     largest = 0.0
     for _ in range(10):
-        damped_steps(points, speed, *rows, *halves, *fixed, steps // 10, np.full(len(network.springs), -1, np.int32))
+        network.engine().move(points, speed, drive, steps // 10)
         largest = max(largest, float(np.abs(points - network.points).max()))
     return largest
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import InputError
+from vasculo.springs.box import nearest_periods
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -116,11 +117,6 @@ def as_number(name: str, value: object, *, zero: bool = True) -> float:
     return number
 
 
-def unchanged(now: object, then: NDArray[np.generic] | None) -> bool:
-    """Whether a value is still the array that was checked: same type, same numbers."""
-    return then is not None and isinstance(now, np.ndarray) and now.dtype == then.dtype and np.array_equal(now, then)
-
-
 def as_mask(name: str, values: ArrayLike | None, nodes: int) -> NDArray[np.bool_]:
     """Boolean mask (n,), from a mask or from node indices; nothing given is nothing marked."""
     mask = np.zeros(nodes, dtype=bool)
@@ -139,3 +135,25 @@ def as_mask(name: str, values: ArrayLike | None, nodes: int) -> NDArray[np.bool_
         raise InputError(f"{name} names nodes {given.min()} to {given.max()}, but the nodes are 0 to {nodes - 1}")
     mask[given] = True
     return mask
+
+
+def as_box(values: ArrayLike | None, points: Floats, springs: Ints) -> Floats | None:
+    """Check the periods (2,) of a network: above 0, and no spring as long as half of one between nearest images."""
+    if values is None:
+        return None
+    try:
+        box = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"box is not two numbers: {error}") from error
+    if box.shape != (2,) or not (box > 0.0).all():
+        raise InputError(f"box is {box.tolist()}, expected two periods > 0")
+    arms = points[springs[:, 1]] - points[springs[:, 0]]
+    arms -= nearest_periods(arms, box)
+    long = (np.abs(arms) >= 0.499 * box).any(axis=1)
+    if long.any():
+        at = int(np.argmax(long))
+        raise InputError(
+            f"spring {at} spans {arms[at].tolist()} of a box of {box.tolist()}: it must be shorter than half a period, "
+            "or its nearest image is not certain"
+        )
+    return box

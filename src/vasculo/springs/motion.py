@@ -1,4 +1,4 @@
-"""The damped motion of a spring network (eqs. 2, 3), with springs that break on the way.
+"""The damped motion of a spring network (eqs. 1-3), with springs that break on the way.
 
 Equation (3) as printed moves the nodes with the old velocity. That is stable only for dt < D / (m w^2), and never
 without damping. Here the nodes move with the velocity just computed, which is stable for dt w < sqrt(4 + 2 D dt / m).
@@ -11,174 +11,209 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from vasculo.springs.barrier import arrive
+from vasculo.springs.layout import PATCH, SLICE
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Ints = NDArray[np.int32]
     Floats = NDArray[np.float64]
 
-CHUNK = 64
-"""Nodes whose springs are computed together: their arms stay in the fastest cache."""
+APART = 8
+"""Entries between the flags of two threads: each in a cache line of its own."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def damped_steps(  # type: ignore[no-untyped-def]
-    points,
-    velocities,
-    start,
-    neighbour,
+    rank,
+    threads,
+    counter,
+    flags,
+    x,
+    y,
+    next_x,
+    next_y,
+    speed_x,
+    speed_y,
+    patch_start,
+    first,
+    second,
     spring,
+    slice_start,
+    slots,
+    image_start,
+    image_of,
+    image_shift,
     stiffness,
     rest,
     limit,
     push,
     keep,
     tether,
-    reference,
-    forces,
+    home_x,
+    home_y,
+    load_x,
+    load_y,
     dt,
     factor,
     slope,
     steps,
-    broken_at,
+    broken,
 ):
-    """Take steps of eqs. (2) and (3); returns (steps done, first node that left the finite numbers or -1).
+    """Take steps of eqs. (2) and (3) as one thread of a team; returns the steps done, fewer when a node is not finite.
 
-    Overwrites points and velocities, the limit and stiffness of half-springs that break (infinite, 0), and
-    broken_at. When a node leaves the finite numbers, points, velocities and broken_at are those before that step.
+    Overwrites the state, the second ends of springs that break (the first) and `broken`. After an even number
+    of steps the positions are in x and y, after an odd one in next_x and next_y. After a step that left the finite
+    numbers the state is of no use.
 
     Parameters
     ----------
-    points, velocities : ndarray of float64, shape (n, 2)
-        State (model length, model length a time).
-    start : ndarray of int32, shape (n + 1,)
-        Half-springs of node i are the rows start[i] to start[i + 1].
-    neighbour, spring : ndarray of int32, shape (h,)
-        Other node and spring number of each half-spring.
-    stiffness, rest, limit : ndarray of float64, shape (h,)
-        Stiffness, rest length at factor 1, and the force above which the spring breaks.
-    push, keep : ndarray of float64, shape (n,)
+    rank, threads : int
+        Number of this thread, and how many there are. All are called with the same arrays.
+    counter : ndarray of int64, shape (1,); flags : ndarray of int64, shape (2, 8 threads)
+        Zeros at entry: the meetings of the team, and who saw a number that is not finite in the last two steps.
+    x, y, next_x, next_y : ndarray of float64, shape (places + images,)
+        Positions by place (model length).
+    speed_x, speed_y : ndarray of float64, shape (places,)
+        Velocities.
+    patch_start, first, second, spring, slice_start, slots, image_start, image_of, image_shift
+        See `vasculo.springs.layout.Layout`.
+    stiffness : ndarray of float64, shape (rows,), or (1,) when all springs are alike
+    rest, limit : ndarray of float64, shape (rows,)
+        Rest length at factor 1, and the force above which the spring breaks.
+    push, keep : ndarray of float64, shape (places,)
         dt / m and 1 / (1 + D dt / m) of each node; keep = 0 pins a node at rest.
     tether : float
-        Stiffness of the tether of each node to its reference position.
-    reference, forces : ndarray of float64, shape (n, 2)
-        Reference positions and constant external forces.
+        Stiffness of the tether of each node to its home.
+    home_x, home_y : ndarray of float64, shape (places,) or, without tether, (0,)
+    load_x, load_y : ndarray of float64, shape (places,) or, without external forces, (0,)
     dt : float
         Time step.
     factor, slope : float
         In step k = 0, 1, ... the rest lengths are multiplied by factor + slope k.
     steps : int
         Number of steps.
-    broken_at : ndarray of int32, shape (m,)
-        Step in which each spring broke; -1, as at entry, for those that live.
+    broken : ndarray of bool, shape (m,)
+        Set for springs that break.
     """
-    # Strategy: two copies of the state take turns, so that every node reads positions of one time. The nodes go in
-    # chunks: gather the arms of all half-springs, turn them into pulls in one straight loop (the compiler makes
-    # vectors of it), sum them node by node. Both halves of a spring see the same tension to the last bit, so both
-    # break in the same step; a broken half stays in its row with stiffness 0 and adds exactly nothing.
-    nodes = start.size - 1
-    longest = 0
-    for first in range(0, nodes, CHUNK):
-        longest = max(longest, start[min(first + CHUNK, nodes)] - start[first])
-    arm_x, arm_y, pull = np.empty(longest), np.empty(longest), np.empty(longest)
-    old, new = points, np.empty((nodes, 2))
-    old_speed, new_speed = velocities, np.empty((nodes, 2))
-    done, bad = steps, -1
+    # Strategy: two copies of the positions take turns, so that every node reads positions of one time, and the team
+    # meets once a step. A patch first turns all its springs into pulls, in straight loops that the compiler makes
+    # vectors of, and keeps each pull with both signs, x and y side by side; then its nodes add theirs, each row of 64
+    # equally many. Patches that share a spring compute its tension with the same bits, so both break it in the same
+    # step; a broken spring stays in its row with both ends at one place, where it pulls exactly nothing. Sums run in
+    # the order of the spring numbers, on any number of threads.
+    patches, slices, places = patch_start.size - 1, slice_start.size - 1, speed_x.size
+    begin, end = patches * rank // threads, patches * (rank + 1) // threads
+    most = 0
+    for p in range(begin, end):
+        most = max(most, patch_start[p + 1] - patch_start[p])
+    arm_x, arm_y, pulls = np.empty(most), np.empty(most), np.empty((2 * most + 1, 2))
+    force_x, force_y = np.empty(SLICE), np.empty(SLICE)
+    uniform, common = stiffness.size == 1, stiffness[0]
+    tethered, loaded = home_x.size > 0, load_x.size > 0
     for step in range(steps):
         scale = factor + slope * step
-        check = 0.0
-        for first in range(0, nodes, CHUNK):
-            last = min(first + CHUNK, nodes)
-            base = np.uint64(start[first])
-            count = np.uint64(0)
-            for i in range(first, last):
-                x, y = old[i, 0], old[i, 1]
-                for h in range(np.uint64(start[i]), np.uint64(start[i + 1])):
-                    j = np.uint64(neighbour[h])
-                    arm_x[count] = old[j, 0] - x
-                    arm_y[count] = old[j, 1] - y
-                    count += np.uint64(1)
+        lost = 0
+        for p in range(begin, end):
+            base = np.uint64(patch_start[p])
+            count = np.uint64(patch_start[p + 1]) - base
+            for s in range(count):
+                i, j = np.uint64(first[base + s]), np.uint64(second[base + s])
+                arm_x[s] = x[j] - x[i]
+                arm_y[s] = y[j] - y[i]
             over = 0
-            for p in range(count):
-                length = np.sqrt(arm_x[p] * arm_x[p] + arm_y[p] * arm_y[p])
-                tension = stiffness[base + p] * (length - scale * rest[base + p])
-                pull[p] = tension / length if length > 0.0 else 0.0
-                over += tension > limit[base + p]
+            for s in range(count):
+                length = np.sqrt(arm_x[s] * arm_x[s] + arm_y[s] * arm_y[s])
+                strength = common if uniform else stiffness[base + s]
+                tension = strength * (length - scale * rest[base + s])
+                pull = tension / length if length > 0.0 else 0.0
+                over += tension > limit[base + s]
+                along_x, along_y = pull * arm_x[s], pull * arm_y[s]
+                pulls[s, 0], pulls[s, 1] = along_x, along_y
+                pulls[count + s, 0], pulls[count + s, 1] = -along_x, -along_y
+            pulls[2 * count, 0] = pulls[2 * count, 1] = 0.0
             if over > 0:
-                for p in range(count):
-                    length = np.sqrt(arm_x[p] * arm_x[p] + arm_y[p] * arm_y[p])
-                    if stiffness[base + p] * (length - scale * rest[base + p]) > limit[base + p]:
-                        broken_at[spring[base + p]] = step
-                        stiffness[base + p] = 0.0
-                        limit[base + p] = np.inf
-                        pull[p] = 0.0
-            row = np.uint64(0)
-            for i in range(first, last):
-                fx = forces[i, 0] - tether * (old[i, 0] - reference[i, 0])
-                fy = forces[i, 1] - tether * (old[i, 1] - reference[i, 1])
-                for _ in range(start[i], start[i + 1]):
-                    fx += pull[row] * arm_x[row]
-                    fy += pull[row] * arm_y[row]
-                    row += np.uint64(1)
-                vx = keep[i] * (old_speed[i, 0] + push[i] * fx)
-                vy = keep[i] * (old_speed[i, 1] + push[i] * fy)
-                new_speed[i, 0], new_speed[i, 1] = vx, vy
-                new[i, 0], new[i, 1] = old[i, 0] + dt * vx, old[i, 1] + dt * vy
-                check += (new[i, 0] - new[i, 0]) + (new[i, 1] - new[i, 1])
-        if check != 0.0:
-            done, bad = step, 0
-            while np.isfinite(new[bad, 0]) and np.isfinite(new[bad, 1]):
-                bad += 1
-            for s in range(broken_at.size):
-                if broken_at[s] == step:
-                    broken_at[s] = -1
-            break
-        old, new = new, old
-        old_speed, new_speed = new_speed, old_speed
-    for i in range(nodes):
-        for axis in range(2):
-            points[i, axis] = old[i, axis]
-            velocities[i, axis] = old_speed[i, axis]
-    return done, bad
+                for s in range(count):
+                    length = np.sqrt(arm_x[s] * arm_x[s] + arm_y[s] * arm_y[s])
+                    strength = common if uniform else stiffness[base + s]
+                    if strength * (length - scale * rest[base + s]) > limit[base + s]:
+                        broken[spring[base + s]] = True
+                        second[base + s] = first[base + s]
+                        pulls[s, 0] = pulls[s, 1] = pulls[count + s, 0] = pulls[count + s, 1] = 0.0
+            for q in range(p * (PATCH // SLICE), min((p + 1) * (PATCH // SLICE), slices)):
+                place, column = np.uint64(q * SLICE), np.uint64(slice_start[q])
+                width = (np.uint64(slice_start[q + 1]) - column) // np.uint64(SLICE)
+                for lane in range(np.uint64(SLICE)):
+                    i = place + lane
+                    sum_x = load_x[i] if loaded else 0.0
+                    sum_y = load_y[i] if loaded else 0.0
+                    if tethered:
+                        sum_x -= tether * (x[i] - home_x[i])
+                        sum_y -= tether * (y[i] - home_y[i])
+                    for row in range(width):
+                        slot = np.uint64(slots[column + row * np.uint64(SLICE) + lane])
+                        sum_x += pulls[slot, 0]
+                        sum_y += pulls[slot, 1]
+                    force_x[lane], force_y[lane] = sum_x, sum_y
+                for lane in range(np.uint64(SLICE)):
+                    i = place + lane
+                    speed_x[i] = keep[i] * (speed_x[i] + push[i] * force_x[lane])
+                    speed_y[i] = keep[i] * (speed_y[i] + push[i] * force_y[lane])
+                    next_x[i] = x[i] + dt * speed_x[i]
+                    next_y[i] = y[i] + dt * speed_y[i]
+                    lost += (next_x[i] - next_x[i]) + (next_y[i] - next_y[i]) != 0.0
+            for image in range(image_start[p], image_start[p + 1]):
+                next_x[places + image] = next_x[image_of[image]] + image_shift[image, 0]
+                next_y[places + image] = next_y[image_of[image]] + image_shift[image, 1]
+        flags[step % 2, APART * rank] = lost
+        if threads > 1:
+            arrive(counter, threads * (step + 1))
+        for other in range(threads):
+            if flags[step % 2, APART * other] > 0:
+                return step
+        x, next_x = next_x, x
+        y, next_y = next_y, y
+    return steps
 
 
 def damped_steps_plain(
     points: Floats,
     velocities: Floats,
-    start: Ints,
-    neighbour: Ints,
-    spring: Ints,
+    springs: Ints,
+    shifts: Floats,
     stiffness: Floats,
     rest: Floats,
     limit: Floats,
     push: Floats,
     keep: Floats,
     tether: float,
-    reference: Floats,
-    forces: Floats,
+    home: Floats,
+    load: Floats,
     dt: float,
     factor: float,
     slope: float,
     steps: int,
-    broken_at: Ints,
-) -> tuple[int, int]:
-    """NumPy twin of `damped_steps`."""
-    node = np.repeat(np.arange(len(points)), np.diff(start))
+    broken: NDArray[np.bool_],
+) -> int:
+    """NumPy twin of `damped_steps`, spring by spring and in the user's numbering; stops before a step that is lost.
+
+    Arrays are those of the network: points (n, 2), springs (m, 2), shifts (m, 2), and so on.
+    """
     for step in range(steps):
-        arms = points[neighbour] - points[node]
+        arms = points[springs[:, 1]] - shifts - points[springs[:, 0]]
         length = np.sqrt(arms[:, 0] ** 2 + arms[:, 1] ** 2)
         tension = stiffness * (length - (factor + slope * step) * rest)
         over = tension > limit
         pull = np.where(over, 0.0, tension) / np.where(length > 0.0, length, 1.0)
-        total = forces - tether * (points - reference)
-        for axis in range(2):
-            total[:, axis] += np.bincount(node, weights=pull * arms[:, axis], minlength=len(points))
+        total = load - tether * (points - home)
+        np.add.at(total, springs[:, 0], pull[:, None] * arms)
+        np.add.at(total, springs[:, 1], -pull[:, None] * arms)
         speed = keep[:, None] * (velocities + push[:, None] * total)  # eq. (2)
         moved = points + dt * speed  # eq. (3), with the new velocity
-        finite = np.isfinite(moved).all(axis=1)
-        if not finite.all():
-            return step, int(np.argmin(finite))
-        broken_at[spring[over]] = step
+        if not np.isfinite(moved).all():
+            return step
+        broken |= over
         stiffness[over], limit[over] = 0.0, np.inf
         points[:], velocities[:] = moved, speed
-    return steps, -1
+    return steps

@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vasculo.errors import ComputationError, InputError
-from vasculo.springs.checks import (
-    as_floats,
-    as_indices,
-    as_limits,
-    as_mask,
-    as_number,
-    as_points,
-    as_springs,
-    not_negative,
-    unchanged,
-)
-from vasculo.springs.forces import Adjacency, build_adjacency, hooke_forces
-from vasculo.springs.motion import damped_steps
+from vasculo.springs.checks import as_floats, as_limits, as_number
+from vasculo.springs.engine import Drive
 from vasculo.springs.relaxation import relax
-from vasculo.springs.stability import longest_step, node_stiffness, sharp_limit
+from vasculo.springs.stability import longest_step, rounded_down, sharp_limit
+from vasculo.springs.state import SpringState
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -30,7 +20,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-class SpringNetwork:
+class SpringNetwork(SpringState):
     """Point masses in the plane, joined by springs with rest lengths.
 
     The model of Szczerba & Szekely 2005, eq. (1): m r'' + D r' = sum of k (length - rest length) along each spring
@@ -56,6 +46,9 @@ class SpringNetwork:
         The triangulation the springs were made from; the voids of a broken network are read from it.
     tether : float
         Stiffness k_s of an elastic tether of each node to its first position (force a length), >= 0.
+    box : array_like of float64, shape (2,), optional
+        Periods in x and y (model length) of a network that repeats; inf in a direction in which it does not. A spring
+        joins the images of its nodes that are nearest at construction, less than half a period apart.
 
     Attributes
     ----------
@@ -68,6 +61,7 @@ class SpringNetwork:
     damping, tether : float
     reference : ndarray of float64, shape (n, 2)
         Positions at construction.
+    box : ndarray of float64, shape (2,), or None
     triangles : ndarray of int32, shape (t, 3), or None
 
     Raises
@@ -76,121 +70,40 @@ class SpringNetwork:
         Naming the spring or node and the numbers that are wrong.
     """
 
-    __slots__ = (
-        "_checked",
-        "_halves",
-        "_rows",
-        "_sums",
-        "damping",
-        "masses",
-        "pinned",
-        "points",
-        "reference",
-        "rest_lengths",
-        "springs",
-        "stiffness",
-        "tether",
-        "triangles",
-        "velocities",
-    )
+    __slots__ = ()
 
-    def __init__(
-        self,
-        points: ArrayLike,
-        springs: ArrayLike,
-        rest_lengths: ArrayLike | None = None,
-        stiffness: ArrayLike = 1.0,
-        masses: ArrayLike = 1.0,
-        damping: float = 0.0,
-        pinned: ArrayLike | None = None,
-        *,
-        triangles: ArrayLike | None = None,
-        tether: float = 0.0,
-    ) -> None:
-        self.points = as_points(points)
-        self.velocities = np.zeros_like(self.points)
-        self.masses: Floats = as_floats("masses", masses, (len(self.points),), "node")
-        self.pinned = as_mask("pinned", pinned, len(self.points))
-        self.springs = as_springs(springs, len(self.points))
-        number = (len(self.springs),)
-        given = self.lengths() if rest_lengths is None else rest_lengths
-        self.rest_lengths: Floats = as_floats("rest lengths", given, number, "spring")
-        self.stiffness: Floats = as_floats("stiffness", stiffness, number, "spring")
-        self.damping = damping
-        self.tether = tether
-        self.reference = self.points.copy()
-        self.triangles = None if triangles is None else as_indices("triangle", triangles, 3, len(self.points))
-        self._checked: tuple[NDArray[np.generic] | None, ...] = (None,) * 5
+    def internal_forces(self, rest_factor: float = 1.0) -> Floats:
+        """Sum the forces (n, 2) of springs and tether on each node, pinned ones included.
+
+        Parameters
+        ----------
+        rest_factor : float
+            Number by which the rest lengths are multiplied, as in `advance`.
+        """
         self._check()
+        # The velocity that one step gives to nodes at rest with dt / m = 1.
+        ones = np.ones(len(self.points))
+        points, forces = self.points.copy(), np.zeros_like(self.points)
+        drive = Drive(ones, ones, self.tether, self.reference, None, 0.0, rest_factor)
+        self.engine().move(points, forces, drive, 1)
+        return forces
 
-    def _check(self) -> None:
-        """Check what may have been changed by hand since the last call."""
-        nodes = len(self.reference)
-        for name in ("points", "velocities"):
-            array = getattr(self, name)
-            good = isinstance(array, np.ndarray) and array.dtype == np.float64 and array.flags.c_contiguous
-            if not (good and array.shape == (nodes, 2) and np.isfinite(array).all()):
-                setattr(self, name, as_floats(name, array, (nodes, 2), "node"))
-        self.damping = as_number("damping", self.damping)
-        self.tether = as_number("tether", self.tether)
-        arrays = (self.springs, self.stiffness, self.rest_lengths, self.masses, self.pinned)
-        same = [unchanged(new, old) for new, old in zip(arrays, self._checked, strict=True)]
-        if all(same):
-            return
-        if not same[0]:
-            self.springs = as_springs(self.springs, nodes)
-        number = (len(self.springs),)
-        self.stiffness = not_negative("stiffness", as_floats("stiffness", self.stiffness, number, "spring"), "spring")
-        self.rest_lengths = as_floats("rest lengths", self.rest_lengths, number, "spring")
-        not_negative("rest length", self.rest_lengths, "spring")
-        self.masses = not_negative("mass", as_floats("masses", self.masses, (nodes,), "node"), "node", zero=False)
-        self.pinned = as_mask("pinned", self.pinned, nodes)
-        self._note(sort=not (same[0] and same[1]))
+    def residual(self, forces: ArrayLike | None = None) -> float:
+        """Largest force on a free node, over mean stiffness times mean spring length (dimensionless); 0 at rest.
 
-    def _note(self, *, sort: bool) -> None:
-        """Remember what was checked and spread it to half-springs; sort these where springs or stiffness are new."""
-        if sort:
-            self._rows = build_adjacency(self.springs, len(self.points))
-            self._sums = node_stiffness(self.springs, self.stiffness, len(self.points))
-        self._halves = self.stiffness[self._rows.spring], self.rest_lengths[self._rows.spring]
-        arrays = (self.springs, self.stiffness, self.rest_lengths, self.masses, self.pinned)
-        self._checked = tuple(array.copy() for array in arrays)
+        Parameters
+        ----------
+        forces : array_like of float64, shape (n, 2), optional
+            External force on each node.
+        """
+        load = self._load(forces)
+        left = self.internal_forces() if load is None else self.internal_forces() + load
+        return float(np.hypot(*left[~self.pinned].T).max(initial=0.0)) / self.force_scale()
 
-    def copy(self) -> Self:
-        """Return a network of its own with the same state."""
-        twin = self.__class__.__new__(self.__class__)
-        for name in self.__slots__:
-            value = getattr(self, name)
-            setattr(twin, name, value.copy() if isinstance(value, np.ndarray) else value)
-        stiffness, rest = self._halves
-        twin._halves = stiffness.copy(), rest.copy()  # noqa: SLF001  # its own class
-        return twin
-
-    def lengths(self) -> Floats:
-        """Present spring lengths (m,), model length."""
-        arms = self.points[self.springs[:, 1]] - self.points[self.springs[:, 0]]
-        return np.sqrt(arms[:, 0] * arms[:, 0] + arms[:, 1] * arms[:, 1])  # rounded as in the kernels
-
-    def tensions(self) -> Floats:
-        """Spring forces (m,), stiffness (length - rest length); positive when stretched."""
-        return np.asarray(self.stiffness * (self.lengths() - self.rest_lengths))
-
-    def internal_forces(self) -> Floats:
-        """Sum the forces (n, 2) of springs and tether on each node, pinned ones included."""
-        self._check()
-        rows = self._rows
-        out = np.empty_like(self.points)
-        hooke_forces(self.points, rows.start, rows.neighbour, *self._halves, out)
-        return np.asarray(out - self.tether * (self.points - self.reference))
-
-    def kinetic_energy(self) -> float:
-        """Half the sum of mass times speed squared."""
-        return float(0.5 * np.sum(self.masses * np.sum(self.velocities**2, axis=1)))
-
-    def elastic_energy(self) -> float:
-        """Energy stored in springs and tethers."""
-        springs = 0.5 * np.sum(self.stiffness * (self.lengths() - self.rest_lengths) ** 2)
-        return float(springs + 0.5 * self.tether * np.sum((self.points - self.reference) ** 2))
+    def force_scale(self) -> float:
+        """Mean stiffness times mean spring length, the unit of `residual`; 1 where that is nothing."""
+        scale = float(np.mean(self.stiffness) * np.mean(self.lengths())) if len(self.springs) else 0.0
+        return scale if scale > 0.0 else 1.0
 
     def stability_limit(self) -> float:
         """Longest time step that `advance` accepts: the exact limit of small motions about the present shape.
@@ -201,7 +114,7 @@ class SpringNetwork:
             (D + sqrt(D^2 + 4 m k)) / k of the stiffest mode, in model time; infinite when nothing pulls on a free node.
         """
         self._check()
-        state = (self.points, self.springs, self.rest_lengths, self.stiffness, self.masses)
+        state = (self.arms(), self.springs, self.rest_lengths, self.stiffness, self.masses)
         return sharp_limit(*state, self.damping, ~self.pinned, self.tether)
 
     def safe_limit(self) -> float:
@@ -212,12 +125,30 @@ class SpringNetwork:
         The bound of the squared frequency is w^2 <= (2 sum of the stiffnesses at a node + tether) / mass.
         """
         self._check()
-        return float(self._node_limits().min())
+        return self._known_limit()
+
+    def default_step(self) -> float:
+        """Time step that `advance` takes by itself: half the safe limit, rounded down to 1, 2 or 5 x a power of ten.
+
+        Half the limit keeps the error of the motion small; a round step makes a round time a whole number of steps.
+
+        Raises
+        ------
+        InputError
+            When nothing pulls on a free node, so that there is no limit.
+        """
+        limit = self.safe_limit()
+        if not np.isfinite(limit):
+            raise InputError(
+                f"a network of {len(self.springs)} springs with {int((~self.pinned).sum())} of {len(self.points)} "
+                "nodes free has no stability limit to take a step from: give dt"
+            )
+        return rounded_down(0.5 * limit)
 
     def advance(
         self,
-        dt: float,
-        steps: int,
+        dt: float | None = None,
+        steps: int = 1,
         forces: ArrayLike | None = None,
         break_above: ArrayLike | None = None,
         *,
@@ -227,8 +158,8 @@ class SpringNetwork:
 
         Parameters
         ----------
-        dt : float
-            Time step (model time), > 0 and at most `stability_limit()`.
+        dt : float, optional
+            Time step (model time), > 0 and at most `stability_limit()`; `default_step()` if not given.
         steps : int
             Number of steps, >= 0.
         forces : array_like of float64, shape (n, 2), optional
@@ -258,22 +189,15 @@ class SpringNetwork:
         printed, it is stable only for dt below D / (m w^2).
         """
         self._check()
-        step = as_number("dt", dt, zero=False)
         if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps < 0:
             raise InputError(f"steps is {steps!r}, expected a whole number >= 0")
+        step = self.default_step() if dt is None else as_number("dt", dt, zero=False)
         self._check_step(step)
-        load = np.zeros_like(self.points) if forces is None else as_floats("forces", forces, self.points.shape, "node")
+        load = self._load(forces)
         first, last = rest_factor if isinstance(rest_factor, tuple) else (rest_factor, rest_factor)
         first, last = as_number("rest_factor", first), as_number("rest_factor", last)
-        rows = self._rows
-        limit = as_limits(break_above, len(self.springs))
-        broken_at = np.full(len(self.springs), -1, dtype=np.int32)
-        done, bad = damped_steps(
-            self.points,
-            self.velocities,
-            *rows,
-            *self._halves,
-            limit[rows.spring] if limit.ndim else np.full(rows.spring.size, limit),
+        limits = as_limits(break_above, len(self.springs))
+        drive = Drive(
             step / self.masses,
             np.where(self.pinned, 0.0, 1.0 / (1.0 + self.damping * step / self.masses)),
             self.tether,
@@ -282,29 +206,27 @@ class SpringNetwork:
             step,
             first,
             (last - first) / max(steps, 1),
-            int(steps),
-            broken_at,
         )
-        broken = np.flatnonzero(broken_at >= 0).astype(np.int32)
-        if broken.size:
-            self.remove_springs(broken)
-        if bad >= 0:
-            self._note(sort=True)
+        engine, count = self.engine(), int(steps)
+        moved = engine.move(self.points, self.velocities, drive, count, limits)
+        lost = moved.lost
+        if lost >= 0:
+            # Nothing was brought back: the steps that were good are taken again, to the same bits.
+            engine.refresh(self.stiffness, self.rest_lengths)
+            moved = engine.move(self.points, self.velocities, drive, moved.done, limits)
+        if moved.broken.any():
+            self._remove(moved.broken)
+        if lost >= 0:
+            push = [0.0, 0.0] if load is None else load[lost].tolist()
             raise ComputationError(
-                f"step {done + 1} of {steps}: node {bad} leaves the finite numbers from position "
-                f"{self.points[bad].tolist()} at velocity {self.velocities[bad].tolist()} (dt {step:.6g}, external "
-                f"force {load[bad].tolist()}): lower dt or the forces"
+                f"step {moved.done + 1} of {count}: node {lost} leaves the finite numbers from position "
+                f"{self.points[lost].tolist()} at velocity {self.velocities[lost].tolist()} (dt {step:.6g}, external "
+                f"force {push}): lower dt or the forces"
             )
-        return broken
+        return np.flatnonzero(moved.broken).astype(np.int32)
 
-    def remove_springs(self, which: ArrayLike) -> None:
-        """Take springs out, in place: a mask (m,) or spring numbers."""
-        self._check()
-        gone = as_mask("springs to remove", which, len(self.springs))
-        self.springs = self.springs[~gone]
-        self.rest_lengths = self.rest_lengths[~gone]
-        self.stiffness = self.stiffness[~gone]
-        self._note(sort=True)
+    def _load(self, forces: ArrayLike | None) -> Floats | None:
+        return None if forces is None else as_floats("forces", forces, self.points.shape, "node")
 
     def relax(self, tolerance: float = 1e-9, steps: int = 200_000, forces: ArrayLike | None = None) -> int:
         """Move the free nodes to equilibrium, in place, and leave them at rest; returns the steps taken.
@@ -324,14 +246,14 @@ class SpringNetwork:
             When the forces are still larger after all steps; the network then holds the shape reached.
         """
         self._check()
-        load = np.zeros_like(self.points) if forces is None else as_floats("forces", forces, self.points.shape, "node")
         most = int(as_number("steps", steps, zero=False))
-        return relax(self, as_number("tolerance", tolerance, zero=False), most, load)
+        return relax(self, as_number("tolerance", tolerance, zero=False), most, self._load(forces))
 
-    def half_springs(self) -> Adjacency:
-        """Return the living springs sorted by node, for kernels of other stages; not to be changed."""
-        self._check()
-        return self._rows
+    def _known_limit(self) -> float:
+        """Safe limit of the network as it was checked last."""
+        if self._safe[:2] != (self.damping, self.tether):
+            self._safe = (self.damping, self.tether, float(self._node_limits().min()))
+        return self._safe[2]
 
     def _node_limits(self) -> Floats:
         """Bound of the time step of each node alone (n,); infinite for pinned nodes."""
@@ -340,12 +262,11 @@ class SpringNetwork:
 
     def _check_step(self, dt: float) -> None:
         """Refuse a time step above the stability limit; the bound first, the exact limit only where it matters."""
-        limits = self._node_limits()
-        if dt <= limits.min():
+        if dt <= self._known_limit():
             return
         limit = self.stability_limit()
         if dt > limit:
-            worst = int(np.argmin(limits))
+            worst = int(np.argmin(self._node_limits()))
             raise InputError(
                 f"time step {dt:.6g} exceeds the stability limit {limit:.6g} (largest node stiffness "
                 f"{0.5 * self._sums[worst] + self.tether:.6g} at node {worst}, mass {self.masses[worst]:.6g}, "

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import ComputationError
-from vasculo.springs.forces import hooke_forces
-from vasculo.springs.motion import damped_steps
+from vasculo.springs.engine import Drive
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,53 +25,49 @@ MARGIN = 0.9
 """Share of the stability limit that is used (the limit of k dt^2 / m is 4)."""
 
 
-def relax(network: SpringNetwork, tolerance: float, steps: int, forces: NDArray[np.float64]) -> int:
+def relax(network: SpringNetwork, tolerance: float, steps: int, load: NDArray[np.float64] | None) -> int:
     """Relax a network in place until no free node feels more than the tolerance; returns the steps taken.
 
     See `SpringNetwork.relax`, which checks the arguments.
     """
     # Strategy: blocks of eq. (2) with dt = 1. The displacement of a block is mostly the slowest motion left, so the
     # drop of the force along it gives that motion's frequency, and the frequency the critical damping.
-    rows = network.half_springs()
-    stiffness, rest = network.stiffness[rows.spring], network.rest_lengths[rows.spring]
     free = ~network.pinned
-    felt = np.bincount(network.springs.ravel(), np.repeat(network.stiffness, 2), len(network.points))
+    felt = np.bincount(network.springs.ravel(), np.repeat(network.stiffness, 2), len(network.points)).astype(np.float64)
     mass = (2.0 * felt + network.tether) / (4.0 * MARGIN)
     mass[mass <= 0.0] = 1.0
-    scale = float(np.mean(network.stiffness) * np.mean(network.lengths())) if len(network.springs) else 1.0
-    goal = tolerance * scale
-    limit, unbroken = np.full(stiffness.size, np.inf), np.full(len(network.springs), -1, dtype=np.int32)
-    points, speed = network.points, np.zeros_like(network.points)
+    push: NDArray[np.float64] = 1.0 / mass
     network.velocities[:] = 0.0
+    speed = np.zeros_like(network.points)
 
     def total() -> NDArray[np.float64]:
-        out = np.empty_like(points)
-        hooke_forces(points, rows.start, rows.neighbour, stiffness, rest, out)
-        out += forces - network.tether * (points - network.reference)
-        out[~free] = 0.0
-        return out
+        forces = network.internal_forces()
+        return np.where(free[:, None], forces if load is None else forces + load, 0.0)
 
-    before, force, friction = points.copy(), total(), 1.0
+    before, force, friction = network.points.copy(), total(), 1.0
     taken = 0
-    while (left := float(np.abs(force).max())) > goal:
+    while (left := float(np.hypot(*force.T).max())) > (goal := tolerance * network.force_scale()):
         if taken >= steps:
-            worst = int(np.argmax(np.abs(force).max(axis=1)))
+            worst = int(np.argmax(np.hypot(*force.T)))
             raise ComputationError(
                 f"relaxation stopped after {taken} steps with force {left:.3g} on node {worst}, above {goal:.3g}: "
                 "raise the tolerance or the steps"
             )
-        keep = np.where(free, 1.0 / (1.0 + friction), 0.0)
-        halves = (stiffness, rest, limit)
-        fixed = (1.0 / mass, keep, network.tether, network.reference, forces, 1.0, 1.0, 0.0)
-        _, bad = damped_steps(points, speed, *rows, *halves, *fixed, BLOCK, unbroken)
-        if bad >= 0:
-            raise ComputationError(f"relaxation: node {bad} leaves the finite numbers at {points[bad].tolist()}")
-        taken += BLOCK
+        keep = free / (1.0 + friction)
+        count = min(BLOCK, steps - taken)
+        drive = Drive(push, keep, network.tether, network.reference, load, 1.0)
+        moved = network.engine().move(network.points, speed, drive, count)
+        if moved.lost >= 0:
+            raise ComputationError(
+                f"relaxation: node {moved.lost} leaves the finite numbers after {taken + moved.done} steps, from a "
+                f"residual of {left / goal * tolerance:.3g}"
+            )
+        taken += count
         last, force = force, total()
-        moved = points - before
-        before = points.copy()
-        inertia = float(np.sum(mass[:, None] * moved * moved))
+        shift = network.points - before
+        before = network.points.copy()
+        inertia = float(np.sum(mass[:, None] * shift * shift))
         if inertia > 0.0:
-            slowest = max(float(np.sum(moved * (last - force))) / inertia, 0.0)
+            slowest = max(float(np.sum(shift * (last - force))) / inertia, 0.0)
             friction = slowest + 2.0 * np.sqrt(slowest)
     return taken

@@ -31,6 +31,13 @@ def longest_step(stiffness: Floats, mass: Floats, damping: float) -> Floats:
     return np.asarray(np.where(stiffness > 0.0, root / np.where(stiffness > 0.0, stiffness, 1.0), np.inf))
 
 
+def rounded_down(value: float) -> float:
+    """Largest of 1, 2, 5 times a power of ten that is not above a value > 0."""
+    power = 10.0 ** np.floor(np.log10(value))
+    digit = max(digit for digit in (1.0, 2.0, 5.0) if digit <= max(1.0, value / power * (1.0 + 1e-12)))
+    return float(f"{digit * power:.0e}")
+
+
 def node_stiffness(springs: Ints, stiffness: Floats, nodes: int, tether: float = 0.0) -> Floats:
     """Bound of the stiffness that a node can feel: twice the sum of its springs', and the tether (force a length).
 
@@ -46,7 +53,7 @@ def node_stiffness(springs: Ints, stiffness: Floats, nodes: int, tether: float =
 
 
 def sharp_limit(
-    points: Floats,
+    arms: Floats,
     springs: Ints,
     rest: Floats,
     stiffness: Floats,
@@ -66,7 +73,7 @@ def sharp_limit(
     """
     # Strategy: the limit is the dt at which 4 M + 2 D dt - K dt^2 loses its positive sign. For a given dt the worst
     # mode u is the top eigenvector of K against 4 M + 2 D dt; the limit of that one mode is the next dt.
-    matrix = _stiffness_matrix(points, springs, rest, stiffness, tether)
+    matrix = _stiffness_matrix(2 * len(mass), arms, springs, rest, stiffness, tether)
     keep = np.flatnonzero(np.repeat(free, 2))
     matrix = matrix[keep][:, keep]
     weights = np.repeat(mass, 2)[keep]
@@ -83,10 +90,10 @@ def sharp_limit(
     return dt
 
 
-def _stiffness_matrix(points: Floats, springs: Ints, rest: Floats, stiffness: Floats, tether: float) -> csr_array:
+def _stiffness_matrix(
+    size: int, arms: Floats, springs: Ints, rest: Floats, stiffness: Floats, tether: float
+) -> csr_array:
     """Sparse tangent stiffness (2 n, 2 n), sideways stiffness of compressed springs left out."""
-    size = 2 * len(points)
-    arms = points[springs[:, 1]] - points[springs[:, 0]]
     length = np.hypot(arms[:, 0], arms[:, 1])
     safe = np.where(length > 0.0, length, 1.0)
     along = np.where(length[:, None] > 0.0, arms / safe[:, None], np.array([1.0, 0.0]))

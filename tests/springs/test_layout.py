@@ -1,0 +1,77 @@
+"""Tables in memory order: each spring in each of its patches, each node with each of its pulls, in the user's order."""
+
+import numpy as np
+import pytest
+
+from vasculo.springs.layout import CURVE_BITS, PATCH, SLICE, along_curve, bring, build_layout, spread, take_back
+
+
+@pytest.mark.parametrize("nodes", [1, 9, 400, 1024, 2500])
+def test_each_spring_is_in_the_patches_of_its_ends(make_irregular, nodes):
+    points, springs = make_irregular(nodes, 0) if nodes > 1 else (np.zeros((1, 2)), np.empty((0, 2), np.int32))
+    springs = np.random.default_rng(1).permutation(springs)
+    layout = build_layout(springs, points)
+    assert np.array_equal(np.sort(layout.order), np.arange(len(points)))
+    assert layout.places % SLICE == 0
+    for patch, (start, stop) in enumerate(zip(layout.patch_start[:-1], layout.patch_start[1:], strict=True)):
+        mine = layout.order[patch * PATCH : (patch + 1) * PATCH]
+        expected = np.flatnonzero(np.isin(springs, mine).any(axis=1))
+        assert np.array_equal(layout.spring[start:stop], expected)
+        assert np.array_equal(layout.order[layout.first[start:stop]], springs[expected, 0])
+        assert np.array_equal(layout.order[layout.second[start:stop]], springs[expected, 1])
+        degrees = np.bincount(springs.ravel(), minlength=len(points))[mine]
+        assert np.all(np.diff(degrees) <= 0)
+
+
+@pytest.mark.parametrize("nodes", [9, 400, 2500])
+def test_each_node_has_its_pulls_in_the_order_of_the_springs(make_irregular, nodes):
+    points, springs = make_irregular(nodes, 0)
+    layout = build_layout(springs, points)
+    for place, node in enumerate(layout.order):
+        start, stop = layout.slice_start[place // SLICE : place // SLICE + 2]
+        base, count = layout.patch_start[place // PATCH], np.diff(layout.patch_start)[place // PATCH]
+        pulls = layout.slots[start:stop].reshape(-1, SLICE)[:, place % SLICE]
+        pulls = pulls[pulls < 2 * count]
+        mine = np.flatnonzero((springs == node).any(axis=1))
+        assert np.array_equal(layout.spring[base + pulls % count], mine)
+        assert np.array_equal(pulls >= count, springs[mine, 1] == node)
+
+
+def test_the_curve_visits_near_cells_in_turn():
+    side = 32
+    cells = np.stack(np.meshgrid(np.arange(side), np.arange(side), indexing="ij"), axis=-1).reshape(-1, 2)
+    along = along_curve(cells * (2.0**CURVE_BITS - 1.0) / (side - 1.0))
+    path = cells[np.argsort(along)]
+    assert len(np.unique(along)) == side * side
+    assert np.all(np.abs(np.diff(path, axis=0)).sum(axis=1) == 1)  # each next cell is a neighbour
+    assert along_curve(np.ones((4, 2))).tolist() == [0, 0, 0, 0]
+
+
+def test_patches_are_compact(make_irregular):
+    points, springs = make_irregular(10_000, 2)
+    layout = build_layout(springs, points)
+    assert len(layout.spring) < 1.15 * len(springs)  # computed twice: only what crosses a patch
+    assert len(layout.slots) < 1.2 * 2 * len(springs)
+
+
+def test_images_stand_where_they_are_seen():
+    points = np.array([[0.1, 0.5], [0.5, 0.5], [0.9, 0.5]])
+    springs = np.array([[0, 1], [1, 2], [2, 0]], np.int32)
+    layout = build_layout(springs, points, np.array([[0.0, 0.0], [0.0, 0.0], [-1.0, 0.0]]))
+    assert layout.order[layout.image_of].tolist() == [0]
+    assert layout.image_shift.tolist() == [[1.0, 0.0]]
+    assert layout.second.tolist()[2] == layout.places
+    x, y = np.full(layout.places + 1, 9.0), np.full(layout.places + 1, 9.0)
+    bring(points, layout.order, layout.image_of, layout.image_shift, x, y)
+    assert abs(x[layout.places] - 1.1) < 1e-15
+    assert y[layout.places] == 0.5
+    assert not x[3 : layout.places].any()
+    back = np.zeros_like(points)
+    take_back(x, y, layout.order, back)
+    assert np.array_equal(back, points)
+
+
+def test_values_of_springs_come_to_their_rows():
+    rows = np.empty(4)
+    spread(np.array([5.0, 6.0]), np.array([2, 0, 1, 2], np.int32), np.array([0, -1, 1], np.int32), -7.0, rows)
+    assert rows.tolist() == [6.0, 5.0, -7.0, 6.0]
