@@ -62,6 +62,15 @@ def test_everything_comes_back(tmp_path, fab):
         np.testing.assert_array_equal(getattr(after.state, field.name), getattr(before.state, field.name))
 
 
+def test_a_periodic_network_too(tmp_path, fab):
+    network = lattice(200, 2, boundary="periodic")
+    network.points += 0.75  # over the seam
+    Checkpoint(fab.STUDY, plexus=network).save(tmp_path / "checkpoint.h5")
+    after = Checkpoint.load(tmp_path / "checkpoint.h5").plexus
+    assert after.box.tolist() == [1.0, 1.0]
+    np.testing.assert_array_equal(after.lengths(), network.lengths())
+
+
 def test_an_empty_one_too(tmp_path, fab):
     Checkpoint(fab.STUDY).save(tmp_path / "checkpoint.h5")
     after = Checkpoint.load(tmp_path / "checkpoint.h5")

@@ -94,6 +94,16 @@ def test_a_continued_record_equals_one_in_one_go(folder, tmp_path, fab):
                 assert a == b
 
 
+def test_the_box_of_a_periodic_tissue(folder):
+    assert open_run(folder).network().box is None  # as in every record without such a fact
+    for facts, box in (({"box": [1.0, 2.5]}, (1.0, 2.5)), ({"box": None}, None), ({}, None)):
+        record = Record.amend(folder / "run.vtkhdf")
+        record.set_facts("tissue", facts)
+        record.close()
+        run = open_run(folder)
+        assert run.network(10).box == run.period == box
+
+
 def test_an_unfinished_record_does_not_look_whole(tmp_path, fab):
     record = Record.create(tmp_path / "run.vtkhdf", fab.STUDY, "0")
     fab.fill(record, remodelling=1)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import pyvista
 
+from vasculo.store import vtkhdf
 from vasculo.store.ragged import Ragged
 from vasculo.store.vtkhdf import GridFrame, TransientGrid
 
@@ -49,6 +50,22 @@ def test_frames_read_back_exactly(tmp_path):
         assert len(grid) == len(FRAMES)
         for number, frame in enumerate(FRAMES):
             same(grid.read(number), frame)
+
+
+def test_large_frames_are_written_block_by_block(tmp_path, monkeypatch):
+    monkeypatch.setattr(vtkhdf, "_BLOCK", 5)
+    with h5py.File(write(tmp_path / "a.vtkhdf", FRAMES)) as file:
+        grid = TransientGrid(file["VTKHDF"])
+        for number, frame in enumerate(FRAMES):
+            same(grid.read(number), frame)
+
+
+def test_only_the_wanted_values_are_read(tmp_path):
+    with h5py.File(write(tmp_path / "a.vtkhdf", FRAMES)) as file:
+        frame = TransientGrid(file["VTKHDF"]).read(1, {"tag"})
+    assert list(frame.cell_data) == ["tag"]
+    np.testing.assert_array_equal(frame.cell_data["tag"], FRAMES[1].cell_data["tag"])
+    np.testing.assert_array_equal(frame.points, FRAMES[1].points)
 
 
 def test_vtk_reads_the_same_numbers(tmp_path):

@@ -34,9 +34,9 @@ SHEAR = LinearSegmentedColormap.from_list("shear", ["#2b3a67", "#4a7fa7", "#e8dc
 """Blue below, sand at, red above the middle of its scale."""
 
 
-def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure, sizes in inches; no global state is touched."""
-    figure = Figure(figsize=(width, height), dpi=RESOLUTION, layout="constrained", facecolor="white")
+def new_figure(width: float, height: float, resolution: int = RESOLUTION) -> Figure:
+    """Make an empty figure, sizes in inches, resolution in dots per inch; no global state is touched."""
+    figure = Figure(figsize=(width, height), dpi=resolution, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 

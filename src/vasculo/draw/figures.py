@@ -9,7 +9,7 @@ from vasculo.draw.canvas import fragment, new_figure, save
 from vasculo.draw.curves import draw_curves
 from vasculo.draw.flow import draw_mesh, draw_speed, fastest_point, mesh_box, speed_scale
 from vasculo.draw.pillars import draw_pillars, draw_shear, shear_scale
-from vasculo.draw.springs import draw_springs, whole_tissue, zoom
+from vasculo.draw.springs import draw_springs, sharpness, whole_tissue, zoom
 from vasculo.store.read import FIGURES
 
 if TYPE_CHECKING:
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from vasculo.store.read import Run
 
 _WIDE = 1.25  # width over height above which panels stand two a row
+_PART = 4000  # nodes in a fragment of the tissue: about fifty voids
+_CLOSER = 1.25  # how much wider lines are drawn in a fragment
 
 
 @dataclass(frozen=True)
@@ -102,40 +104,44 @@ def iterations(run: Run, count: int = 6, bias: float = 1.0) -> list[int]:
     return sorted({steps[round(last * share)] for share in shares})
 
 
+def part_share(nodes: int) -> float:
+    """Share of the side that a fragment of a tissue shows: always as many nodes, so about as many voids."""
+    return min(0.6, (_PART / nodes) ** 0.5)
+
+
 def _draw_mesh_stages(run: Run) -> Figure:
-    figure = new_figure(9.6, 6.6)
+    # Strategy: one stage in memory at a time; of a large tissue the panels keep less than was read.
+    steps = growth_stages(run)
+    figure = new_figure(9.6, 6.6, sharpness(int(run.metrics["springs"][run.frame("vasculogenesis", steps[0]).index])))
     rows = figure.subplots(2, 3)
     words = ("first voids open", "rupture ends", "tightened")
-    shown = None
-    for column, (step, word) in enumerate(zip(growth_stages(run), words, strict=True)):
+    for column, (step, word) in enumerate(zip(steps, words, strict=True)):
         state = run.network(step)
-        if shown is None:
-            share = min(0.6, max(0.25, (4000 / len(state.points)) ** 0.5))
-            shown = fragment((0.0, 0.0, 1.0, 1.0), (0.5, 0.5), share)
+        wide, high = state.box or (1.0, 1.0)
+        shown = fragment((0.0, 0.0, wide, high), (0.5 * wide, 0.5 * high), part_share(len(state.points)))
         width = zoom(len(state.springs))
-        draw_springs(
-            rows[0, column], state, whole_tissue(), f"{word} · step {step} · {len(state.springs)} springs", width
-        )
-        draw_springs(rows[1, column], state, shown, "fragment", width / (shown[2] - shown[0]) ** 0.4)
+        title = f"{word} · step {step} · {len(state.springs)} springs"
+        draw_springs(rows[0, column], state, whole_tissue(state.box), title, width)
+        draw_springs(rows[1, column], state, shown, "fragment", _CLOSER * max(1.0, width))
     return figure
 
 
 def _draw_plexus(run: Run) -> Figure:
-    figure = new_figure(7.0, 7.2)
     state = run.network()
+    figure = new_figure(7.0, 7.2, sharpness(len(state.springs)))
     voids = int(run.metrics["pillars"][run.frame("vasculogenesis").index])
     title = f"{len(state.points)} nodes · {len(state.springs)} springs left · {voids} voids"
-    draw_springs(figure.subplots(), state, whole_tissue(), title, 1.25 * zoom(len(state.springs)))
+    draw_springs(figure.subplots(), state, whole_tissue(state.box), title, 1.25 * zoom(len(state.springs)))
     return figure
 
 
 def _draw_extraction(run: Run) -> Figure:
     box = mesh_box(run.mesh(run.steps("angiogenesis")[0]))
     outlines = run.pillars(run.steps("angiogenesis")[0]).outlines
-    figure = new_figure(7.4, 7.4 * (box[3] - box[1]) / (box[2] - box[0]) + 0.2)
+    state = run.network()
+    figure = new_figure(7.4, 7.4 * (box[3] - box[1]) / (box[2] - box[0]) + 0.2, sharpness(len(state.springs)))
     axes = figure.subplots()
     draw_pillars(axes, outlines)
-    state = run.network()
     draw_springs(axes, state, box, f"{len(outlines)} pillars in the voids of the plexus", zoom(len(state.springs)))
     return figure
 

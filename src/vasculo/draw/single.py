@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from vasculo.draw.canvas import RESOLUTION, new_figure, save
 from vasculo.draw.flow import draw_mesh, draw_speed, mesh_box, speed_scale
 from vasculo.draw.pillars import draw_pillars_over, draw_shear, shear_scale
-from vasculo.draw.springs import draw_springs, whole_tissue, zoom
+from vasculo.draw.springs import draw_springs, sharpness, whole_tissue, zoom
 from vasculo.errors import InputError
 from vasculo.store.read import FIGURES
 
@@ -39,12 +39,15 @@ class View:
         Region.
     scale : float
         Top of the colour scale (flow, shear).
+    resolution : int
+        Dots per inch.
     """
 
     what: What
     stage: str
     box: Box
     scale: float | None = None
+    resolution: int = RESOLUTION
 
     @property
     def size(self) -> tuple[float, float]:
@@ -63,8 +66,8 @@ def view_of(run: Run, what: What) -> View:
         When the run has no step of the stage that this shows.
     """
     if what == "springs":
-        run.frame("vasculogenesis")
-        return View(what, "vasculogenesis", whole_tissue())
+        springs = int(run.metrics["springs"][run.frame("vasculogenesis").index])
+        return View(what, "vasculogenesis", whole_tissue(run.period), resolution=sharpness(springs))
     run.frame("angiogenesis")
     steps = run.steps("angiogenesis")
     ends = [run.flow(step) for step in (steps[0], steps[-1])]
@@ -116,7 +119,7 @@ def draw_one(run: Run, what: What, step: int | None = None) -> Path:
     frame = run.frame(view.stage, step)
     if step is not None and frame.step != step:
         raise InputError(f"{run.folder} has no record of {view.stage} step {step}, the nearest is {frame.step}")
-    figure = new_figure(*view.size)
+    figure = new_figure(*view.size, view.resolution)
     paint(run, view, figure.subplots(), frame.step)
     return save(figure, run.folder / FIGURES / f"{what}-{frame.step:04d}.png")
 
@@ -137,7 +140,7 @@ def draw_movie(run: Run, what: What) -> Path:
     from matplotlib.animation import FFMpegWriter  # noqa: PLC0415
 
     view = view_of(run, what)
-    figure = new_figure(*view.size)
+    figure = new_figure(*view.size, view.resolution)
     path = run.folder / FIGURES / f"{what}.mp4"
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{what}.part.mp4")
@@ -145,7 +148,7 @@ def draw_movie(run: Run, what: What) -> Path:
         # H.264 wants an even number of pixels each way.
         even = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p"]
         writer = FFMpegWriter(fps=FRAMES_PER_SECOND, codec="h264", extra_args=even)
-        with writer.saving(figure, str(part), RESOLUTION):
+        with writer.saving(figure, str(part), view.resolution):
             for step in run.steps(view.stage):
                 figure.clear()
                 paint(run, view, figure.subplots(), step)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 FORMAT = 1
 _NODES = ("points", "velocities", "masses", "pinned", "reference")
-_NETWORK = (*_NODES, "springs", "rest_lengths", "stiffness", "triangles")
+_NETWORK = (*_NODES, "springs", "rest_lengths", "stiffness", "triangles", "box")
 
 
 @dataclass
@@ -133,6 +133,7 @@ def _network(group: h5py.Group) -> SpringNetwork:
         data["pinned"],
         triangles=data.get("triangles"),
         tether=float(group.attrs["tether"]),
+        box=data.get("box"),
     )
     network.points[:] = data["points"]
     network.velocities[:] = data["velocities"]

@@ -34,7 +34,7 @@ def spring_frame(
         lines=springs,
         triangles=np.empty((0, 3), dtype=np.int64),
         node_velocity=velocities,
-        cells={"kind": np.full(len(springs), SPRING, dtype=np.uint8), "force": forces},
+        cells={"kind": np.broadcast_to(np.uint8(SPRING), len(springs)), "force": forces},
     )
 
 
@@ -113,15 +113,15 @@ def _frame(
     node_velocity: NDArray[np.float64],
     cells: dict[str, NDArray[Any]],
 ) -> GridFrame:
-    """Bring a frame into the fixed set of arrays; NaN where a cell has no such value."""
+    """Bring a frame into the fixed set of arrays; NaN where a cell has no such value, in views that take no memory."""
     count = len(lines) + len(triangles)
     data: dict[str, NDArray[Any]] = {
         "kind": cells["kind"],
-        "force": np.full(count, np.nan),
-        "velocity": np.full((count, 3), np.nan),
-        "pressure": np.full(count, np.nan),
-        "wall_shear": np.full(count, np.nan),
-        "tag": np.full(count, -1, dtype=np.int32),
+        "force": np.broadcast_to(np.nan, count),
+        "velocity": np.broadcast_to(np.nan, (count, 3)),
+        "pressure": np.broadcast_to(np.nan, count),
+        "wall_shear": np.broadcast_to(np.nan, count),
+        "tag": np.broadcast_to(np.int32(-1), count),
     }
     nodes = np.zeros((len(points), 3))
     nodes[:, :2] = node_velocity

@@ -58,12 +58,15 @@ class Springs:
         Living springs.
     forces : (m,) float64
         Their forces, positive when stretched.
+    box : tuple of float or None
+        Width and height of the box of a periodic tissue, which begins at the origin; model length. None: not periodic.
     """
 
     points: NDArray[np.float64]
     velocities: NDArray[np.float64]
     springs: NDArray[np.int32]
     forces: NDArray[np.float64]
+    box: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -186,9 +189,9 @@ class Run:
 
     def network(self, step: int | None = None) -> Springs:
         """Tissue at a step of the vasculogenesis, the last one when `step` is None."""
-        grid = self._read(lambda file, i: TransientGrid(file["VTKHDF"]).read(i), "vasculogenesis", step)
+        grid = self._read(lambda file, i: TransientGrid(file["VTKHDF"]).read(i, {"force"}), "vasculogenesis", step)
         velocities = grid.point_data["node_velocity"][:, :2]
-        return Springs(grid.points, velocities, grid.lines.astype(np.int32), grid.cell_data["force"])
+        return Springs(grid.points, velocities, grid.lines.astype(np.int32), grid.cell_data["force"], self.period)
 
     def flow(self, step: int | None = None) -> FlowFields:
         """Flow at a step of the angiogenesis, the last one when `step` is None."""
@@ -242,6 +245,12 @@ class Run:
             if name not in file["run"]:
                 return {}
         return self._fact(name)
+
+    @cached_property
+    def period(self) -> tuple[float, float] | None:
+        """Width and height of the box of a periodic tissue, model length; None when the tissue is not periodic."""
+        box = self.facts("tissue").get("box")
+        return None if box is None else (float(box[0]), float(box[1]))
 
     @cached_property
     def _sides(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Container, Mapping
 
     from numpy.typing import NDArray
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 LINE, TRIANGLE = 3, 5  # VTK cell types
 _CHUNK = 8192  # rows; larger chunks pack better, smaller ones waste less on small studies
+_BLOCK = 32 * _CHUNK  # rows written at once; HDF5 copies what does not lie in memory as it does in the file
 _GEOMETRY = ("Points", "Types", "Connectivity", "Offsets")
 
 
@@ -68,7 +69,8 @@ def extend(group: h5py.Group, name: str, rows: NDArray[Any]) -> int:
     data = group[name] if name in group else growing(group, name, rows)
     start = int(data.shape[0])
     data.resize(start + len(rows), axis=0)
-    data[start:] = rows
+    for first in range(0, len(rows), _BLOCK):
+        data[start + first : start + min(first + _BLOCK, len(rows))] = rows[first : first + _BLOCK]
     return start
 
 
@@ -128,8 +130,8 @@ class TransientGrid:
         extend(self.steps, "Values", np.array([float(value)]))
         self.steps.attrs["NSteps"] = np.int64(len(self) + 1)
 
-    def read(self, index: int) -> GridFrame:
-        """Read frame `index`, counted from 0."""
+    def read(self, index: int, cell_data: Container[str] | None = None) -> GridFrame:
+        """Read frame `index`, counted from 0; of the cell data only the arrays named, or all."""
         group, steps = self.group, self.steps
         part = int(steps["PartOffsets"][index])
         n, cells = int(group["NumberOfPoints"][part]), int(group["NumberOfCells"][part])
@@ -144,19 +146,20 @@ class TransientGrid:
             lines=connectivity[: 2 * lines].reshape(-1, 2),
             triangles=connectivity[2 * lines :].reshape(-1, 3),
             point_data=self._rows("Point", index, n),
-            cell_data=self._rows("Cell", index, cells),
+            cell_data=self._rows("Cell", index, cells, cell_data),
             field_data={
                 name: group["FieldData"][name][int(at[index]) :][: int(steps["FieldDataSizes"][name][index, 1])]
                 for name, at in steps["FieldDataOffsets"].items()
             },
         )
 
-    def _rows(self, kind: str, index: int, count: int) -> Arrays:
+    def _rows(self, kind: str, index: int, count: int, wanted: Container[str] | None = None) -> Arrays:
         offsets: Mapping[str, h5py.Dataset] = self.steps[f"{kind}DataOffsets"]
         rows: Arrays = {}
         for name, at in offsets.items():
-            start = int(at[index])
-            rows[name] = self.group[f"{kind}Data"][name][start : start + count]
+            if wanted is None or name in wanted:
+                start = int(at[index])
+                rows[name] = self.group[f"{kind}Data"][name][start : start + count]
         return rows
 
     def truncate(self, frames: int) -> None:
