@@ -1,15 +1,18 @@
 """Numbers that biologists quote, each defined in its docstring."""
 
+from vasculo.measure.cords import Cords, cords
 from vasculo.measure.hydraulics import alignment, mean_wall_shear, permeability, pillar_drag, shear_ratio
 from vasculo.measure.plexus import PlexusNumbers, plexus
 from vasculo.measure.shape import Chains, PillarTable, chains, mean_gap, order, pillars
 
 __all__ = [
     "Chains",
+    "Cords",
     "PillarTable",
     "PlexusNumbers",
     "alignment",
     "chains",
+    "cords",
     "mean_gap",
     "mean_wall_shear",
     "order",

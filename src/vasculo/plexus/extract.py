@@ -99,6 +99,8 @@ def extract(network: SpringNetwork, parameters: Extraction | None = None) -> Ext
         When outlines cannot be made even and apart.
     """
     wanted = Extraction() if parameters is None else parameters
+    if network.box is not None:
+        raise InputError(f"a periodic plexus (box {network.box.tolist()}) has no frame to take a domain from")
     found = survey(network)
     found.require_voids()
     unit = found.length_unit

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
+from vasculo.springs.box import image_offsets
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -82,6 +84,30 @@ def outer_loop(loops: list[Ints], points: Floats) -> Ints:
         areas.append(float(x @ np.roll(y, -1) - np.roll(x, -1) @ y))
     loop = loops[int(np.argmax(areas))]
     return np.roll(loop, -int(np.argmin(loop)))
+
+
+def unrolled(loop: Ints, points: Floats, reference: Floats, box: Floats) -> tuple[Floats, Floats]:
+    """Lay a loop of a periodic network out in the plane, edge by edge from its first node on.
+
+    Parameters
+    ----------
+    loop : ndarray of int32, shape (k,)
+        Nodes in order.
+    points, reference : ndarray of float64, shape (n, 2)
+        Positions now and at first (model length); never wrapped into the box.
+    box : ndarray of float64, shape (2,)
+        Periods in x and y, infinite in a direction without.
+
+    Returns
+    -------
+    outline : ndarray of float64, shape (k, 2)
+        Positions of the nodes, or of their images.
+    winding : ndarray of float64, shape (2,)
+        How often the loop goes around the box in x and y; (0, 0) for one that closes on itself.
+    """
+    offsets = image_offsets(reference, loop, np.roll(loop, -1), box)
+    passed = np.concatenate([np.zeros((1, 2)), np.cumsum(offsets, axis=0)])
+    return points[loop] - passed[:-1], np.rint(-passed[-1] / box)
 
 
 def largest_part(shape: shapely.Geometry) -> shapely.Polygon:

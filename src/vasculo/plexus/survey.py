@@ -6,14 +6,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from vasculo.errors import InputError
+from vasculo.geometry.outline import signed_area
 from vasculo.geometry.planar import planar_faces, planar_graph
-from vasculo.plexus.outlines import face_loops, outer_loop
-from vasculo.plexus.voids import VOID_CUTOFF, face_areas, faces, interior_edges, triangle_areas
+from vasculo.plexus.outlines import face_loops, outer_loop, unrolled
+from vasculo.plexus.voids import VOID_CUTOFF, faces, interior_edges, triangle_areas
+from vasculo.springs.box import image_offsets, wrapped
+from vasculo.springs.parts import connected_parts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,7 +49,7 @@ class Void:
     area : float
         Signed area of its triangles (model length squared); the loop's area without triangulation.
     outline : ndarray of float64, shape (k, 2)
-        Positions of the nodes (model length).
+        Positions of the nodes (model length); in a periodic network of their images, so that the outline closes.
     """
 
     face: int
@@ -72,7 +73,7 @@ class Survey:
     triangle_area : float
         A0, mean initial triangle.
     bounds : tuple of four floats
-        Smallest x and y, largest x and y of the nodes.
+        Smallest x and y, largest x and y of the nodes; of a periodic network one box.
     largest_face, area : float
         Area of the largest face, void or not; summed area of all faces.
     counts : dict of str to int
@@ -124,7 +125,7 @@ def survey(network: SpringNetwork) -> Survey:
     ----------
     network : SpringNetwork
         With its initial triangulation, or without one; then the faces are those of the planar graph of living
-        springs in their reference positions.
+        springs in their reference positions. A periodic one needs its triangulation.
 
     Returns
     -------
@@ -133,7 +134,8 @@ def survey(network: SpringNetwork) -> Survey:
     Raises
     ------
     InputError
-        When positions are not finite or no spring is left.
+        When positions are not finite, no spring is left, a periodic network has no triangulation, or one of its
+        voids reaches around the box, so that it has no outline that closes.
     """
     points = np.asarray(network.points, dtype=np.float64)
     if not np.isfinite(points).all():
@@ -142,37 +144,46 @@ def survey(network: SpringNetwork) -> Survey:
     if not len(network.springs):
         raise InputError(f"everything is broken: none of the springs between {len(points)} nodes is left")
     springs, counts = _largest_part(network.springs, len(points))
-    triangles = network.triangles
+    triangles, reference, box = network.triangles, network.reference, network.box
     if triangles is not None and len(triangles):
         oriented = triangles.astype(np.int32).copy()
-        backward = triangle_areas(oriented, network.reference) < 0.0
-        oriented[backward] = oriented[backward][:, ::-1]
-        corners = np.sort(oriented[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        unit = _mean_length(np.unique(corners, axis=0), network.reference)
-        area_unit = float(np.mean(np.abs(triangle_areas(oriented, network.reference))))
-        found = _from_triangles(oriented, springs, points, area_unit)
+        first_areas = triangle_areas(oriented, reference, reference, box)
+        oriented[first_areas < 0.0] = oriented[first_areas < 0.0][:, ::-1]
+        corners = oriented[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        unit = float(np.mean(_lengths(unique_pairs(corners, len(points)), reference, reference, box)))
+        area_unit = float(np.mean(np.abs(first_areas)))
+        found = _from_triangles(oriented, springs, points, area_unit, reference, box)
+    elif box is not None:
+        raise InputError(f"a periodic network of {len(points)} nodes without triangles has no faces to measure")
     else:
-        unit = _mean_length(springs, network.reference)
+        unit = float(np.mean(_lengths(springs, reference, reference, None)))
         area_unit = TRIANGLE_SHARE * unit**2
-        found = _from_springs(springs, np.asarray(network.reference), points, area_unit)
+        found = _from_springs(springs, np.asarray(reference), points, area_unit)
     voids = found.voids
     low, high = points.min(axis=0), points.max(axis=0)
-    steps = points[springs[:, 0]] - points[springs[:, 1]]
-    used = points[np.unique(springs)]
+    used = points[np.flatnonzero(np.bincount(springs.ravel()))]
+    rims = [np.minimum(void.outline - low, high - void.outline).min(axis=0) for void in voids]
+    rim, period = np.array(rims).reshape(-1, 2), np.zeros(2)
+    if box is not None:
+        framed = np.isinf(box)
+        low = np.where(framed, low, reference.min(axis=0))
+        high = np.where(framed, high, low + box)
+        rim[:, ~framed] = np.inf
+        period = np.where(framed, 0.0, box)  # a tree takes 0 for no period
+        used = wrapped(used, box)
+    pairs = KDTree(used, boxsize=period).query_pairs(COINCIDENT * unit, output_type="ndarray")
     counts |= found.counts
-    counts["short_springs"] = int(np.sum(np.hypot(*steps.T) < SHORT * unit))
-    counts["coincident_nodes"] = len(np.unique(KDTree(used).query_pairs(COINCIDENT * unit, output_type="ndarray")))
+    counts["short_springs"] = int(np.sum(_lengths(springs, points, reference, box) < SHORT * unit))
+    counts["coincident_nodes"] = len(np.unique(pairs))
     counts["touching_outlines"] = sum(len(np.unique(void.nodes)) < len(void.nodes) for void in voids)
-    rim = [np.minimum(void.outline - low, high - void.outline).min() for void in voids]
-    counts["frame_voids"] = int(np.sum(np.array(rim) < 1e-6 * unit))
+    counts["frame_voids"] = int(np.sum((rim < 1e-6 * unit).any(axis=1)))
     bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
     return Survey(tuple(voids), springs, unit, area_unit, bounds, found.largest, found.whole, counts)
 
 
 def _largest_part(springs: Ints, nodes: int) -> tuple[Ints, dict[str, int]]:
     """Springs of the connected part with most nodes, and how much was dropped."""
-    graph = coo_array((np.ones(len(springs)), (springs[:, 0], springs[:, 1])), shape=(nodes, nodes))
-    _, part = connected_components(graph, directed=False)
+    part = connected_parts(springs, nodes)
     sizes = np.bincount(part)
     mine = part[springs[:, 0]] == int(np.argmax(sizes))
     counts = {
@@ -185,27 +196,44 @@ def _largest_part(springs: Ints, nodes: int) -> tuple[Ints, dict[str, int]]:
     return np.ascontiguousarray(springs[mine], dtype=np.int32), counts
 
 
-def _mean_length(edges: Ints, points: Floats) -> float:
-    """Mean length of edges."""
-    step = points[edges[:, 0]] - points[edges[:, 1]]
-    return float(np.mean(np.hypot(step[:, 0], step[:, 1])))
+def _lengths(edges: Ints, points: Floats, reference: Floats, box: Floats | None) -> Floats:
+    """Lengths of edges (e,), in a box to the image of the head that they run to."""
+    step = points[edges[:, 1]] - points[edges[:, 0]]
+    if box is not None:
+        step -= image_offsets(reference, edges[:, 0], edges[:, 1], box)
+    return np.hypot(step[:, 0], step[:, 1])
 
 
-def _from_triangles(triangles: Ints, springs: Ints, points: Floats, area_unit: float) -> _Found:
+def unique_pairs(pairs: Ints, nodes: int) -> Ints:
+    """Pairs of nodes each once, the lower node first, in order."""
+    low, high = pairs.min(axis=1).astype(np.int64), pairs.max(axis=1)
+    keys = np.sort(low * nodes + high)
+    keys = keys[np.append(True, keys[1:] != keys[:-1])]  # np.unique is several times slower here
+    return np.stack([keys // nodes, keys % nodes], axis=1).astype(np.int32)
+
+
+def _from_triangles(
+    triangles: Ints, springs: Ints, points: Floats, area_unit: float, reference: Floats, box: Floats | None
+) -> _Found:
     """Voids and counts from the initial triangulation."""
     table = interior_edges(triangles, len(points))
     labels = faces(triangles, springs, len(points), table)
-    areas = face_areas(labels, triangles, points)
+    pieces = triangle_areas(triangles, points, reference, box)
+    areas = np.bincount(labels, weights=pieces).astype(np.float64)
     is_void = areas > VOID_CUTOFF * area_unit
     loops = face_loops(labels, triangles, np.flatnonzero(is_void).tolist())
     voids = []
     for face, rings in sorted(loops.items()):
-        nodes = outer_loop(rings, points)
-        voids.append(Void(face, nodes, float(areas[face]), points[nodes]))
+        if box is None:
+            nodes = outer_loop(rings, points)
+            outline = points[nodes]
+        else:
+            nodes, outline = _closed(face, rings, points, reference, box, float(areas[face]) / area_unit)
+        voids.append(Void(face, nodes, float(areas[face]), outline))
     one, two = labels[table.first], labels[table.second]
     living = _living(table, springs)
     apart = living & (one != two) & is_void[one] & is_void[two]
-    folded = (triangle_areas(triangles, points) < 0.0) & is_void[labels]
+    folded = (pieces < 0.0) & is_void[labels]
     sizes = np.bincount(labels)
     counts = {
         "faces": len(areas),
@@ -218,6 +246,24 @@ def _from_triangles(triangles: Ints, springs: Ints, points: Floats, area_unit: f
         "crossings": 0,
     }
     return _Found(voids, float(areas.max()), float(areas.sum()), counts)
+
+
+def _closed(
+    face: int, rings: list[Ints], points: Floats, reference: Floats, box: Floats, triangles: float
+) -> tuple[Ints, Floats]:
+    """Outer loop of a void of a periodic network and its outline; refuse a void that reaches around the box."""
+    laid = [unrolled(ring, points, reference, box) for ring in rings]
+    sizes = [signed_area(outline) for outline, _ in laid]
+    around = np.abs([winding for _, winding in laid]).max(axis=0)
+    if around.any() or max(sizes) <= 0.0:
+        raise InputError(
+            f"everything is broken: the void of face {face} ({triangles:.3g} mean initial triangles) reaches around "
+            f"the periodic box, {around.astype(int).tolist()} times in x and y: stop rupture earlier"
+        )
+    widest = int(np.argmax(sizes))
+    ring = rings[widest]
+    start = int(np.argmin(ring))
+    return np.roll(ring, -start), np.roll(laid[widest][0], -start, axis=0)
 
 
 def _living(table: InteriorEdges, springs: Ints) -> NDArray[np.bool_]:

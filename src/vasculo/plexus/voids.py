@@ -16,6 +16,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from vasculo.errors import InputError
+from vasculo.springs.box import image_offsets
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -169,15 +170,39 @@ def faces(triangles: Ints, springs: Ints, nodes: int, edges: InteriorEdges | Non
     return labels
 
 
-def triangle_areas(triangles: Ints, points: Floats) -> Floats:
-    """Signed areas of triangles, positive when counter-clockwise (model length squared)."""
+def triangle_areas(
+    triangles: Ints, points: Floats, reference: Floats | None = None, box: Floats | None = None
+) -> Floats:
+    """Signed areas of triangles, positive when counter-clockwise (model length squared).
+
+    Parameters
+    ----------
+    triangles : ndarray of int32, shape (t, 3)
+        Node indices.
+    points : ndarray of float64, shape (n, 2)
+        Node positions (model length).
+    reference : ndarray of float64, shape (n, 2), optional
+        Initial positions, needed with a box.
+    box : ndarray of float64, shape (2,), optional
+        Periods in x and y of a periodic network; an edge then runs to the image that `image_offsets` tells.
+
+    Returns
+    -------
+    ndarray of float64, shape (t,)
+    """
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
     xa, ya = x[a], y[a]
-    return np.asarray(0.5 * ((x[b] - xa) * (y[c] - ya) - (x[c] - xa) * (y[b] - ya)))
+    if box is None or reference is None:
+        return np.asarray(0.5 * ((x[b] - xa) * (y[c] - ya) - (x[c] - xa) * (y[b] - ya)))
+    one = points[b] - points[a] - image_offsets(reference, a, b, box)
+    two = points[c] - points[a] - image_offsets(reference, a, c, box)
+    return np.asarray(0.5 * (one[:, 0] * two[:, 1] - two[:, 0] * one[:, 1]))
 
 
-def face_areas(labels: Ints, triangles: Ints, points: Floats) -> Floats:
+def face_areas(
+    labels: Ints, triangles: Ints, points: Floats, reference: Floats | None = None, box: Floats | None = None
+) -> Floats:
     """Area of each face, as the sum of the signed areas of its triangles.
 
     Triangles that fold over inside a void count negative, so the sum stays the area inside the face's outline.
@@ -190,18 +215,20 @@ def face_areas(labels: Ints, triangles: Ints, points: Floats) -> Floats:
         Node indices, counter-clockwise in the undeformed state.
     points : ndarray of float64, shape (n, 2)
         Node positions (model length).
+    reference, box : ndarray of float64, shapes (n, 2) and (2,), optional
+        For a periodic network, see `triangle_areas`.
 
     Returns
     -------
     areas : ndarray of float64, shape (f,)
         Model length squared.
     """
-    return np.bincount(labels, weights=triangle_areas(triangles, points)).astype(np.float64)
+    return np.bincount(labels, weights=triangle_areas(triangles, points, reference, box)).astype(np.float64)
 
 
-def mean_triangle_area(triangles: Ints, reference: Floats) -> float:
+def mean_triangle_area(triangles: Ints, reference: Floats, box: Floats | None = None) -> float:
     """Mean area A0 of the initial triangles (model length squared), from the initial positions (n, 2)."""
-    return float(np.mean(np.abs(triangle_areas(triangles, reference))))
+    return float(np.mean(np.abs(triangle_areas(triangles, reference, reference, box))))
 
 
 def void_fraction(network: SpringNetwork, edges: InteriorEdges | None = None) -> tuple[float, int]:
@@ -212,7 +239,7 @@ def void_fraction(network: SpringNetwork, edges: InteriorEdges | None = None) ->
     Parameters
     ----------
     network : SpringNetwork
-        A network with its initial triangulation.
+        A network with its initial triangulation, in a frame or periodic.
     edges : InteriorEdges, optional
         `interior_edges(network.triangles, len(network.points))`, for repeated calls.
 
@@ -231,6 +258,7 @@ def void_fraction(network: SpringNetwork, edges: InteriorEdges | None = None) ->
     if network.triangles is None:
         raise InputError(f"a network of {len(network.points)} nodes without triangles has no faces to measure")
     labels = faces(network.triangles, network.springs, len(network.points), edges)
-    areas = face_areas(labels, network.triangles, network.points)
-    voids = areas > VOID_CUTOFF * mean_triangle_area(network.triangles, network.reference)
+    box = network.box
+    areas = face_areas(labels, network.triangles, network.points, network.reference, box)
+    voids = areas > VOID_CUTOFF * mean_triangle_area(network.triangles, network.reference, box)
     return float(areas[voids].sum() / areas.sum()), int(np.count_nonzero(voids))
