@@ -8,10 +8,11 @@ import pytest
 from vasculo.errors import ComputationError, InputError
 from vasculo.plexus.voids import face_areas, faces, void_fraction
 from vasculo.springs.network import SpringNetwork
+from vasculo.springs.parts import largest_part
 from vasculo.tissue.lattice import lattice
 from vasculo.tissue.process import Process
-from vasculo.tissue.rupture import largest_component
-from vasculo.tissue.vasculogenesis import GrowthPhase, Vasculogenesis, check_time_step, grow_plexus, stability_limits
+from vasculo.tissue.settle import settle, stability_limits
+from vasculo.tissue.vasculogenesis import GrowthPhase, Vasculogenesis, grow_plexus
 
 NODES = 1_500
 
@@ -41,7 +42,7 @@ def test_the_paper_size_gives_the_plexus_of_the_prototype():
     assert abs(voids - 145) <= 45
     assert abs(fraction - 0.70) < 0.04
     assert abs(len(plexus.springs) / len(tissue.springs) - 0.853) < 0.015
-    assert largest_component(plexus).mean() > 0.99
+    assert largest_part(plexus.springs, 12_000).mean() > 0.99
 
 
 def test_the_input_is_not_changed(tissue, run):
@@ -207,6 +208,13 @@ def test_a_tissue_in_which_nothing_opens(tissue):
     [
         ({"triangles": None}, 0, "a tissue of 60 nodes without triangles has no voids"),
         ({"pinned": np.ones(60, bool)}, 0, "springs and 0 free nodes cannot grow"),
+        (
+            {"springs": np.empty((0, 2), np.int32)} | {name: np.empty(0) for name in ("rest_lengths", "stiffness")},
+            0,
+            "a tissue of 0 springs and 32 free nodes cannot grow",
+        ),
+        ({"rest_lengths": np.zeros(149)}, 0, r"spring 0 between nodes \[\d+, \d+\] has rest length 0 and so no strain"),
+        ({"pinned": np.zeros(60, bool)}, 0, "nothing holds the tissue: none of its 60 nodes is pinned, it has no box"),
         ({}, -1, "seed is -1, expected a whole number >= 0"),
         ({}, 1.5, "seed is 1.5"),
     ],
@@ -216,7 +224,7 @@ def test_bad_input(change, seed, message):
     for name, value in change.items():
         setattr(small, name, value)
     with pytest.raises(InputError, match=message):
-        grow_plexus(small, seed=seed)
+        grow_plexus(small, Vasculogenesis.preset("paper"), seed=seed)
 
 
 def test_a_time_step_above_the_limit(tissue):
@@ -239,7 +247,7 @@ def test_the_stability_limits_do_not_depend_on_the_units(tissue):
     big = SpringNetwork(tissue.points, tissue.springs, None, 4.0, 16.0, 9.0, tissue.pinned, triangles=tissue.triangles)
     chosen = Vasculogenesis()
     np.testing.assert_allclose(stability_limits(big, chosen), stability_limits(tissue, chosen), rtol=1e-9)
-    assert check_time_step(tissue, chosen) == stability_limits(tissue, chosen)
+    assert settle(big, chosen) == settle(tissue, chosen)
     assert tissue.damping == tissue.tether == 0.0
 
 
@@ -250,6 +258,69 @@ def test_advice_where_the_tissue_held(tissue):
 
 
 def test_advice_where_the_tissue_cracked(tissue):
-    process = Process(tissue, Vasculogenesis(), 0, None)
+    process = Process(tissue, settle(tissue, Vasculogenesis()), 0, None)
     assert "raise threshold" in process._advice(int(0.06 * len(tissue.springs)))
     assert "lower threshold" in process._advice(int(0.04 * len(tissue.springs)))
+
+
+def test_a_tissue_in_pieces():
+    one = lattice(60, 0)
+    both = SpringNetwork(
+        np.concatenate([one.points, one.points + 2.0]),
+        np.concatenate([one.springs, one.springs + 60]),
+        pinned=np.tile(one.pinned, 2),
+        triangles=np.concatenate([one.triangles, one.triangles + 60]),
+    )
+    with pytest.raises(InputError, match="the tissue is in 2 pieces of 60, 60 nodes, node 60 is not joined to node 0"):
+        grow_plexus(both)
+
+
+@pytest.mark.parametrize("kind", ["jittered", "poisson"])
+def test_other_meshes_give_a_plexus_too(kind):
+    fraction, voids = void_fraction(grow_plexus(lattice(3_000, 1, kind=kind), Vasculogenesis.preset("fine")))
+    assert 0.55 < fraction < 0.8
+    assert 35 < voids < 110
+
+
+def test_a_periodic_tissue_needs_no_frame():
+    tissue = lattice(3_000, 1, boundary="periodic")
+    told = []
+    plexus = grow_plexus(tissue, Vasculogenesis.preset("fine"), watch=told.append)
+    fraction, voids = void_fraction(plexus)
+    assert 0.55 < fraction < 0.8
+    assert 35 < voids < 100
+    assert plexus.box.tolist() == [1.0, 1.0]
+    drift = plexus.points.mean(axis=0) - tissue.points.mean(axis=0)
+    assert np.abs(drift).max() < 0.01
+    labels = faces(plexus.triangles, plexus.springs, 3_000)
+    areas = face_areas(labels, plexus.triangles, plexus.points, plexus.reference, plexus.box)
+    assert abs(areas.sum() - 1.0) < 1e-12
+
+
+def test_a_free_tissue_shrinks_from_its_frame():
+    tissue = lattice(3_000, 1, boundary="free")
+    plexus = grow_plexus(tissue, Vasculogenesis(stop_void_fraction=0.3))
+    assert np.ptp(plexus.points, axis=0).max() < 0.97
+    assert void_fraction(plexus)[1] > 5
+
+
+@pytest.mark.parametrize("change", [{"threshold_kind": "force"}, {"threshold_law": "weibull"}])
+def test_other_thresholds_give_a_plexus_too(tissue, change):
+    fraction, voids = void_fraction(grow_plexus(tissue, Vasculogenesis.preset("fine").__class__(**change), seed=1))
+    assert 0.5 < fraction < 0.85
+    assert voids > 6
+
+
+def test_growth_by_time_is_growth_by_rate(tissue, run):
+    chosen = Vasculogenesis(growth_time=(1.0 - 0.4) / 0.0009)
+    assert abs(settle(tissue, chosen).growth_rate / 0.0009 - 1.0) < 1e-14
+    assert same(run[0], grow_plexus(tissue, chosen, seed=2))
+
+
+def test_the_time_step_is_chosen_from_the_tissue(tissue):
+    assert settle(tissue, Vasculogenesis()).time_step == 0.2
+    heavy = tissue.copy()
+    inner = np.flatnonzero(~tissue.pinned[tissue.springs].any(axis=1))
+    heavy.stiffness[inner[0]] = 50.0  # one stiff spring: units are means, so the step in them falls
+    assert settle(heavy, Vasculogenesis()).time_step < 0.1
+    assert settle(tissue, Vasculogenesis(time_step=0.3)).time_step == 0.3

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from vasculo.errors import InputError
+from vasculo.plexus.voids import triangle_areas
 from vasculo.tissue.lattice import lattice
 
 
@@ -92,11 +93,12 @@ def test_small_tissues_of_many_seeds():
         (100, -1, "seed is -1"),
         (100, 0.5, "seed is 0.5, expected a whole number >= 0"),
         (100, None, "seed is None"),
+        (63, 0, "a tissue of 63 nodes that is periodic cannot be made: at least 64 are needed"),
     ],
 )
 def test_bad_input(nodes, seed, message):
     with pytest.raises(InputError, match=message):
-        lattice(nodes, seed)
+        lattice(nodes, seed, boundary="periodic" if "periodic" in message else "pinned")
 
 
 @pytest.mark.parametrize("nodes", [25.0, "a", True, None])
@@ -109,3 +111,75 @@ def test_nodes_are_a_whole_number(nodes):
 def test_too_many_nodes(nodes):
     with pytest.raises(InputError, match=f"a tissue of {nodes} nodes cannot be made: at most 5000000 are possible"):
         lattice(nodes)
+
+
+KINDS = ["relaxed", "jittered", "poisson"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("nodes", [64, 65, 301, 2_000])
+def test_a_torus_is_filled_once(kind, nodes):
+    tissue = lattice(nodes, 1, kind=kind, boundary="periodic")
+    assert tissue.points.shape == (nodes, 2)
+    assert np.all((tissue.points >= 0.0) & (tissue.points < 1.0))
+    # Euler on a torus: V - E + F = 0, and every edge has two of the three sides of every triangle.
+    assert (len(tissue.springs), len(tissue.triangles)) == (3 * nodes, 2 * nodes)
+    assert not tissue.pinned.any()
+    assert tissue.box.tolist() == [1.0, 1.0]
+    areas = triangle_areas(tissue.triangles, tissue.points, tissue.reference, tissue.box)
+    assert areas.min() > 0.0
+    assert abs(areas.sum() - 1.0) < 1e-12
+    assert tissue.lengths().max() < 3.0 / np.sqrt(nodes)
+    uses = np.unique(np.sort(tissue.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    assert np.array_equal(uses, tissue.springs)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("nodes", [25, 26, 60, 1_500])
+def test_every_kind_fills_the_square(kind, nodes):
+    tissue = lattice(nodes, 3, kind=kind)
+    frame = int(tissue.pinned.sum())
+    assert (len(tissue.springs), len(tissue.triangles)) == (3 * nodes - 3 - frame, 2 * nodes - 2 - frame)
+    assert angles(tissue).min() > 8.0
+
+
+def test_a_free_tissue_is_the_pinned_one_not_pinned():
+    pinned, free = lattice(300, 2), lattice(300, 2, boundary="free")
+    assert np.array_equal(pinned.points, free.points)
+    assert not free.pinned.any()
+
+
+def test_without_jitter_the_lattice_is_regular():
+    tissue = lattice(30 * 26, 0, kind="jittered", jitter=0.0, boundary="periodic")
+    lengths = tissue.lengths()
+    assert lengths.std() / lengths.mean() < 0.01
+    assert np.all(np.bincount(tissue.springs.ravel()) == 6)
+    spreads = []
+    for jitter in (0.0, 0.1, 0.3, 0.5):
+        lengths = lattice(2_000, 0, kind="jittered", jitter=jitter).lengths()
+        spreads.append(lengths.std() / lengths.mean())
+    assert spreads == sorted(spreads)
+    assert spreads[-1] > 0.2
+
+
+def test_poisson_disks_keep_their_distance():
+    tissue = lattice(2_000, 5, kind="poisson", boundary="periodic")
+    assert tissue.lengths().min() > np.sqrt(0.64 / 2_000)
+    frame = lattice(2_000, 5, kind="poisson")
+    inner = ~frame.pinned[frame.springs].all(axis=1)
+    assert frame.lengths()[inner].min() > 0.999 * np.sqrt(0.64 / 2_000)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"kind": "hexagonal"}, "kind is 'hexagonal', expected one of relaxed, jittered, poisson"),
+        ({"boundary": "open"}, "boundary is 'open', expected one of pinned, free, periodic"),
+        ({"jitter": 0.6}, "jitter is 0.6, expected a number from 0 to 0.5 lattice spacings"),
+        ({"jitter": -0.1}, "jitter is -0.1"),
+        ({"jitter": None}, "jitter is None"),
+    ],
+)
+def test_bad_options(options, message):
+    with pytest.raises(InputError, match=message):
+        lattice(100, **options)

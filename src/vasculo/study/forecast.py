@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from vasculo.mesh.generate import generate_mesh
 from vasculo.study.drawn import drawn_domain
 from vasculo.tissue.lattice import lattice
-from vasculo.tissue.vasculogenesis import check_time_step
+from vasculo.tissue.settle import settle, stability_limits
+from vasculo.tissue.spacing import expected_spacing
 
 if TYPE_CHECKING:
     from vasculo.study.settings import Settings
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     Lines = list[tuple[str, str]]
 
 # Measured on one core; a study of another size is scaled from these.
-_SPRING_STEP = 5e-8  # seconds a spring and time step
+_SPRING_STEP = 6e-9  # seconds a spring and time step
 _FLOW_STEP, _FLOW_TRIANGLE = 0.1, 7e-5  # seconds a geometry step, and a triangle of it: mesh, flow, cells
 _TRIANGLE_MEMORY = 0.008  # MB a triangle of the flow mesh
 _FRAME_TRIANGLE = 50.0  # bytes of the record a triangle and step
@@ -23,7 +24,6 @@ _FRAME_SPRING = 21.0  # bytes of the record a spring and step
 _BASE_MEMORY = 240.0  # MB of the program itself
 _FIGURES_TIME = 5.0  # seconds
 _TRIANGLES_PER_PILLAR = 150.0  # of the flow mesh, two triangles across a passage
-_MEDIUM_VOIDS, _MEDIUM_NODES, _MEDIUM_LOAD = 145.0, 12_000, 0.0045  # voids of the preset "medium"
 
 _LONG_NUMBER = 1e9  # numbers from here on are written with an exponent
 _UNITS = (("days", 86400.0), ("h", 3600.0), ("min", 60.0))
@@ -50,8 +50,8 @@ def forecast(settings: Settings) -> Lines:
     lines: Lines = [("study", settings.study.title), ("stages", ", ".join(settings.stages))]
     seconds, memory, size = _FIGURES_TIME, _BASE_MEMORY, 0.0
     if settings.kind == "tissue":
-        more, took, kept = _tissue(settings)
-        triangles = _voids(settings) * _TRIANGLES_PER_PILLAR * (settings.angiogenesis.flow_across / 2.0)
+        more, took, kept, voids = _tissue(settings)
+        triangles = voids * _TRIANGLES_PER_PILLAR * (settings.angiogenesis.flow_across / 2.0)
         lines += more
     else:
         more, triangles = _drawn(settings)
@@ -72,34 +72,33 @@ def forecast(settings: Settings) -> Lines:
     return lines
 
 
-def _tissue(settings: Settings) -> tuple[Lines, float, float]:
-    """Lines, seconds and MB of the vasculogenesis."""
+def _tissue(settings: Settings) -> tuple[Lines, float, float, float]:
+    """Lines, seconds, MB and voids of the vasculogenesis."""
     keys = settings.vasculogenesis
     network = lattice(**settings.tissue, seed=settings.study.seed)
-    limits = check_time_step(network, keys)
+    keys = settle(network, keys)
+    limits, step = stability_limits(network, keys), keys.time_step or 0.0
     growth = (1.0 - max(keys.growth_limit, 0.6)) / keys.growth_rate
     hold = keys.hold if keys.self_stopping else 0.0
-    steps = (growth + hold + keys.tightening_time + keys.settling_time) / keys.time_step
+    steps = (growth + hold + keys.tightening_time + keys.settling_time) / step
     checks = 80 + 160
     length = float(network.rest_lengths.mean())
+    voids = min((expected_spacing(network, keys) * length) ** -2.0, float(len(network.points)))
     lines = [
         ("nodes", str(len(network.points))),
         ("springs", str(len(network.springs))),
         ("mean spring length", f"{length:.4g} of the side"),
-        ("time step", f"{keys.time_step:g}, stability limit {limits[0]:.3g} in growth, {limits[1]:.3g} in tightening"),
+        ("time step", f"{step:g}, stability limit {limits[0]:.3g} in growth, {limits[1]:.3g} in tightening"),
         ("time steps", f"about {_number(steps)}"),
-        ("expected pillars", f"about {_number(_voids(settings))}"),
+        ("expected pillars", f"about {_number(voids)}, {voids**-0.5:.3g} apart"),
     ]
     frames = checks / settings.output.growth_every + 8
-    return lines, steps * _SPRING_STEP * len(network.springs), frames * _FRAME_SPRING * len(network.springs) / 1e6
-
-
-def _voids(settings: Settings) -> float:
-    """Estimate the voids: proportional to the nodes, about the 0.6th power of load times damping; at most the nodes."""
-    keys = settings.vasculogenesis
-    load = keys.growth_rate * max(keys.damping, 1.0) / _MEDIUM_LOAD
-    nodes = settings.tissue["nodes"]
-    return float(min(_MEDIUM_VOIDS * nodes / _MEDIUM_NODES * load**0.6, nodes))
+    return (
+        lines,
+        steps * _SPRING_STEP * len(network.springs),
+        frames * _FRAME_SPRING * len(network.springs) / 1e6,
+        voids,
+    )
 
 
 def _drawn(settings: Settings) -> tuple[Lines, float]:

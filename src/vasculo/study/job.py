@@ -94,6 +94,8 @@ class Job:
         settings = self.settings
         tissue = lattice(**settings.tissue, seed=settings.study.seed)
         self.log.line(f"vasculogenesis: {len(tissue.points)} nodes, {len(tissue.springs)} springs")
+        if tissue.box is not None:
+            self.record.set_facts("tissue", {"box": tissue.box.tolist()})
         recorder = GrowthRecorder(self.record, self.table, settings.output.growth_every)
         seen = watch.in_turn(check_growth, recorder, watch.growth_progress(self.progress), self.pause)
         plexus = grow_plexus(tissue, settings.vasculogenesis, settings.study.seed, seen)

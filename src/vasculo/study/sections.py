@@ -10,7 +10,7 @@ from vasculo.pillars.parameters import Angiogenesis
 from vasculo.plexus.parameters import Extraction
 from vasculo.plexus.voronoi import disk_domain, voronoi_plexus
 from vasculo.study.schema import keys_of
-from vasculo.tissue.lattice import FEWEST, MOST, lattice
+from vasculo.tissue.lattice import check_lattice, lattice
 from vasculo.tissue.parameters import PRESETS, Vasculogenesis
 
 if TYPE_CHECKING:
@@ -119,10 +119,7 @@ class Section:
 
 def _check_tissue(values: dict[str, Any]) -> None:
     """Refuse a tissue that cannot be made, without making one."""
-    if values["nodes"] < FEWEST:
-        raise InputError(f"nodes = {values['nodes']} is not a whole number from {FEWEST} up")
-    if values["nodes"] > MOST:
-        raise InputError(f"nodes = {values['nodes']} is above {MOST}, the most that can be made")
+    check_lattice(**values)
 
 
 DOMAIN_KINDS: dict[str, Callable[..., Any] | None] = {

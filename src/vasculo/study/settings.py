@@ -160,6 +160,12 @@ def parse_study(
         where = _where("study.until", source, origin)
         until = parts["study"].until
         raise InputError(f"{where}: study.until = {until!r} does not fit domain.kind = {kind!r}: there is no tissue")
+    if kind == "tissue" and parts["tissue"]["boundary"] == "periodic" and parts["study"].until != "vasculogenesis":
+        where = _where("tissue.boundary", source, origin)
+        raise InputError(
+            f"{where}: tissue.boundary = 'periodic' does not fit study.until = {parts['study'].until!r}: pillars need "
+            "a frame, so a periodic study ends with 'vasculogenesis'"
+        )
     return Settings(kind=kind, domain=domain, **parts)
 
 

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from vasculo.tissue.parameters import Vasculogenesis
-
 CHECK_FACTOR = 0.005
 """Change of the rest-length factor between two looks at the voids."""
 
@@ -33,17 +31,17 @@ def pieces(first: float, last: float, steps: int, every: int) -> Iterator[tuple[
         yield end - begin, first + (last - first) * begin / steps, first + (last - first) * end / steps
 
 
-def growth_steps(parameters: Vasculogenesis, limit: float) -> int:
-    """Time steps in which the factor falls from 1 to the limit."""
-    return max(1, round((1.0 - limit) / (parameters.growth_rate * parameters.time_step)))
+def growth_steps(rate: float, limit: float, time_step: float) -> int:
+    """Time steps in which the factor falls from 1 to the limit at a rate (1 / time)."""
+    return max(1, round((1.0 - limit) / (rate * time_step)))
 
 
-def steps_in(time: float, parameters: Vasculogenesis) -> int:
+def steps_in(time: float, time_step: float) -> int:
     """Time steps in a time."""
-    return max(0, round(time / parameters.time_step))
+    return max(0, round(time / time_step))
 
 
-def check_interval(rate: float, parameters: Vasculogenesis) -> int:
+def check_interval(rate: float, time_step: float) -> int:
     """Time steps between two looks while the factor falls at this rate (1 / time)."""
     time = min(CHECK_TIME, CHECK_FACTOR / rate) if rate > 0.0 else CHECK_TIME
-    return max(1, round(time / parameters.time_step))
+    return max(1, round(time / time_step))

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from scipy.spatial import Delaunay, cKDTree
+from scipy.spatial import Delaunay
 
 from vasculo.errors import ComputationError, InputError
 from vasculo.springs.checks import as_number
 from vasculo.springs.network import SpringNetwork
+from vasculo.tissue.placement import PLACEMENTS, Kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,70 +18,100 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int32]
     Floats = NDArray[np.float64]
 
+Boundary = Literal["pinned", "free", "periodic"]
+
 FEWEST = 25
 """Fewest nodes: below, the frame leaves no interior."""
 
 MOST = 5_000_000
 """Most nodes: beyond, memory and time run out."""
 
-SWEEPS = 3
-"""Sweeps of Lloyd's method: even spacing, still irregular."""
+MOST_JITTER = 0.5
+"""Largest jitter: beyond, nodes of a lattice change places."""
 
-SAMPLES = 20
-"""Random samples a node by which a sweep finds the middle of each node's cell."""
+FEWEST_AROUND = 64
+"""Fewest nodes of a torus: below, a spring may reach half around it."""
 
-CLEARANCE = 0.45
-"""Least distance of an interior node from the frame and from other nodes, in spacings of a regular lattice."""
-
-PUSHES = 50
-"""Most rounds in which nodes that are too close are pushed apart."""
+OVERLAP = 6.0
+"""Width of the strips by which a torus is continued before it is triangulated, in spacings of a regular lattice."""
 
 
-def lattice(nodes: int = 12_000, seed: int = 0) -> SpringNetwork:
-    """Make the initial tissue on the unit square: random nodes spread evenly, joined by springs at rest.
+def lattice(
+    nodes: int = 12_000,
+    seed: int = 0,
+    kind: Kind = "relaxed",
+    jitter: float = 0.2,
+    boundary: Boundary = "pinned",
+) -> SpringNetwork:
+    """Make the initial tissue on the unit square: nodes spread evenly and irregularly, joined by springs at rest.
 
     Parameters
     ----------
     nodes : int
-        Number of nodes, 25 to 5,000,000. 12,000 nodes give about 35,600 springs, as in the paper.
+        Number of nodes, 25 (on a torus 64) to 5,000,000. 12,000 nodes give about 35,600 springs, as in the paper.
     seed : int
         Seed of the random positions, >= 0. The same seed gives the same tissue.
+    kind : {"relaxed", "jittered", "poisson"}
+        How the nodes are placed: at random and evened out by three sweeps of Lloyd's method; on a triangular lattice,
+        each shifted at random; or at random with a least distance (Poisson disks).
+    jitter : float
+        Largest shift in x and in y of the nodes of a jittered lattice, in lattice spacings, 0 to 0.5; no other kind
+        uses it.
+    boundary : {"pinned", "free", "periodic"}
+        What holds the tissue: a frame of pinned nodes, the same frame not pinned, or nothing, the square being a torus.
 
     Returns
     -------
     SpringNetwork
-        Unit stiffness and masses, no damping, the nodes on the square's boundary pinned, `triangles` set
-        (counter-clockwise). Nodes are numbered along strips, so that neighbours have near numbers.
+        Unit stiffness and masses, no damping, `triangles` set (counter-clockwise), the nodes on the square's boundary
+        pinned if asked, `box` (1, 1) if periodic. Nodes are numbered along strips: neighbours have near numbers.
 
     Raises
     ------
     InputError
-        For too few or too many nodes or a seed that is not a whole number >= 0.
+        For too few or too many nodes, a seed that is not a whole number >= 0, a kind or boundary that is none of these,
+        a jitter outside its range.
 
     Notes
     -----
     Szczerba & Szekely 2005, section 2, start from "a given uniform unstructured triangular grid covering a unit
     square" of roughly 12,000 nodes and 35,000 springs. How it is made is ours.
     """
-    if isinstance(nodes, bool) or not isinstance(nodes, int | np.integer):
-        raise InputError(f"a tissue of {nodes!r} nodes cannot be made: give a whole number from {FEWEST} up")
-    if nodes < FEWEST:
-        raise InputError(f"a tissue of {nodes} nodes cannot be made: at least {FEWEST} are needed")
-    if nodes > MOST:
-        raise InputError(f"a tissue of {nodes} nodes cannot be made: at most {MOST} are possible")
+    check_lattice(nodes, kind, jitter, boundary)
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
         raise InputError(f"seed is {seed!r}, expected a whole number >= 0")
     rng = np.random.default_rng(int(as_number("seed", seed)))
-    spacing = np.sqrt(2.0 / (np.sqrt(3.0) * nodes))  # of a regular triangular lattice with as many nodes
-    frame = _frame(round(1.0 / spacing))
-    inner = _even(rng.random((int(nodes) - len(frame), 2)), frame, spacing, rng)
-    points = np.concatenate([frame, inner])
+    spacing = float(np.sqrt(2.0 / (np.sqrt(3.0) * nodes)))  # of a regular triangular lattice with as many nodes
+    torus = boundary == "periodic"
+    frame = np.empty((0, 2)) if torus else _frame(round(1.0 / spacing))
+    points = np.concatenate([frame, PLACEMENTS[kind](int(nodes) - len(frame), frame, spacing, rng, jitter)])
     points = points[_along_strips(points, 3.0 * spacing)]
-    triangles = _triangulate(points)
-    sides = np.concatenate([triangles[:, (0, 1)], triangles[:, (1, 2)], triangles[:, (2, 0)]])
-    springs = np.unique(np.sort(sides, axis=1), axis=0).astype(np.int32)
+    triangles = _triangulate_torus(points, OVERLAP * spacing) if torus else _triangulate(points)
     on_frame = ((points == 0.0) | (points == 1.0)).any(axis=1)
-    return SpringNetwork(points, springs, pinned=on_frame, triangles=triangles)
+    return SpringNetwork(
+        points,
+        sides_of(triangles, len(points)),
+        pinned=on_frame if boundary == "pinned" else None,
+        triangles=triangles,
+        box=(1.0, 1.0) if torus else None,
+    )
+
+
+def check_lattice(nodes: object, kind: object, jitter: object, boundary: object) -> None:
+    """Refuse a tissue that cannot be made, without making one; see `lattice`."""
+    if isinstance(nodes, bool) or not isinstance(nodes, int | np.integer):
+        raise InputError(f"a tissue of {nodes!r} nodes cannot be made: give a whole number from {FEWEST} up")
+    for name, value, known in (("kind", kind, get_args(Kind)), ("boundary", boundary, get_args(Boundary))):
+        if value not in known:
+            raise InputError(f"{name} is {value!r}, expected one of {', '.join(known)}")
+    fewest = FEWEST_AROUND if boundary == "periodic" else FEWEST
+    if nodes < fewest:
+        where = " that is periodic" if boundary == "periodic" else ""
+        raise InputError(f"a tissue of {nodes} nodes{where} cannot be made: at least {fewest} are needed")
+    if nodes > MOST:
+        raise InputError(f"a tissue of {nodes} nodes cannot be made: at most {MOST} are possible")
+    if as_number("jitter", jitter) > MOST_JITTER:
+        raise InputError(f"jitter is {jitter!r}, expected a number from 0 to {MOST_JITTER:g} lattice spacings")
 
 
 def _frame(each: int) -> Floats:
@@ -91,55 +122,66 @@ def _frame(each: int) -> Floats:
     return np.concatenate([np.column_stack(side) for side in sides])
 
 
-def _even(inner: Floats, frame: Floats, spacing: float, rng: np.random.Generator) -> Floats:
-    """Spread nodes by Lloyd's method: each moves to the middle of the samples nearest to it; the frame stays."""
-    number = len(inner)
-    for _ in range(SWEEPS):
-        samples = rng.random((SAMPLES * (number + len(frame)), 2))
-        owner = np.asarray(cKDTree(np.concatenate([inner, frame])).query(samples)[1])
-        own = owner < number
-        count = np.bincount(owner[own], minlength=number)
-        for axis in range(2):
-            total = np.bincount(owner[own], weights=samples[own, axis], minlength=number)
-            inner[:, axis] = np.where(count > 0, total / np.maximum(count, 1), inner[:, axis])
-    return _apart(inner, CLEARANCE * spacing)
-
-
-def _apart(inner: Floats, least: float) -> Floats:
-    """Push nodes apart that are closer than `least`, half of the way each, and all away from the frame."""
-    for _ in range(PUSHES):
-        inner = np.clip(inner, least, 1.0 - least)
-        pairs = cKDTree(inner).query_pairs(0.999 * least, output_type="ndarray")
-        if len(pairs) == 0:
-            break
-        pairs = pairs[np.lexsort(pairs.T[::-1])]
-        arms = inner[pairs[:, 1]] - inner[pairs[:, 0]]
-        length = np.hypot(arms[:, 0], arms[:, 1])
-        same = length < 1e-3 * least  # met in a corner: part towards the middle of the square
-        arms[same] = np.where(inner[pairs[same, 0]] < 0.5, least, -least)
-        length[same] = least / 2.0
-        push = (0.5 * (least - length) / length)[:, None] * arms
-        np.add.at(inner, pairs[:, 1], push)
-        np.add.at(inner, pairs[:, 0], -push)
-    return inner
-
-
 def _along_strips(points: Floats, height: float) -> NDArray[np.intp]:
     """Order of the points along horizontal strips, left to right."""
     return np.lexsort((points[:, 1], points[:, 0], np.floor(points[:, 1] / height)))
 
 
+def sides_of(triangles: Ints, nodes: int) -> Ints:
+    """Sides (m, 2) of triangles, each once, lower node first, sorted."""
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1).astype(np.int64)
+    keys = np.sort(ends[:, 0] * nodes + ends[:, 1])
+    keys = keys[np.append(True, np.diff(keys) > 0)]
+    return np.column_stack([keys // nodes, keys % nodes]).astype(np.int32)
+
+
 def _triangulate(points: Floats) -> Ints:
     """Delaunay triangles of points that fill the unit square, counter-clockwise, sorted."""
-    triangles = np.sort(Delaunay(points).simplices, axis=1)
+    triangles, twice = _counter_clockwise(np.sort(Delaunay(points).simplices, axis=1), points)
+    solid = np.abs(twice) > 1e-9 / len(points)  # a flat triangle of three frame nodes covers nothing
+    return _checked(triangles[solid], float(0.5 * np.abs(twice[solid]).sum()), len(points))
+
+
+def _triangulate_torus(points: Floats, overlap: float) -> Ints:
+    """Delaunay triangles of points that fill the unit torus, counter-clockwise across the seams, sorted."""
+    # Strategy: triangulate the square continued by strips on all sides. Of the images of a triangle the one is kept
+    # whose lowest node lies in the square itself; the strips are wide enough for it to be Delaunay on the torus.
+    shifts = [np.array([x, y]) for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0)]
+    images, owners = [], []
+    for shift in shifts:
+        moved = points + shift
+        near = ((moved > -overlap) & (moved < 1.0 + overlap)).all(axis=1)
+        images.append(moved[near])
+        owners.append(np.flatnonzero(near))
+    plane, owner = np.concatenate(images), np.concatenate(owners)
+    inside: NDArray[np.bool_] = np.all((plane >= 0.0) & (plane < 1.0), axis=1)
+    corners: NDArray[np.integer] = Delaunay(plane).simplices
+    nodes = owner[corners]
+    lowest = np.argmin(nodes, axis=1)
+    keep = inside[corners[np.arange(len(corners)), lowest]]
+    corners, twice = _counter_clockwise(corners[keep], plane)
+    nodes = owner[corners]
+    turned = (np.argmin(nodes, axis=1)[:, None] + np.arange(3)) % 3
+    return _checked(np.take_along_axis(nodes, turned, axis=1), float(0.5 * np.abs(twice).sum()), len(points))
+
+
+def _counter_clockwise(triangles: NDArray[np.integer], points: Floats) -> tuple[NDArray[np.integer], Floats]:
+    """Turn triangles counter-clockwise; returns them and twice their areas before that, negative where turned."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    triangles[twice < 0.0] = triangles[twice < 0.0][:, (0, 2, 1)]
-    solid = np.abs(twice) > 1e-9 / len(points)  # a flat triangle of three frame nodes covers nothing
-    triangles = triangles[solid][np.lexsort(triangles[solid].T[::-1])]
-    covered = 0.5 * float(np.abs(twice[solid]).sum())
-    if abs(covered - 1.0) > 1e-9 or len(np.unique(triangles)) != len(points):
+    turned = triangles.copy()
+    turned[twice < 0.0] = turned[twice < 0.0][:, (0, 2, 1)]
+    return turned, twice
+
+
+def _checked(triangles: NDArray[np.integer], covered: float, nodes: int) -> Ints:
+    """Sort triangles, and make sure that they cover the square and use all nodes."""
+    triangles = triangles[np.lexsort(triangles.T[::-1])]
+    used = np.zeros(nodes, dtype=bool)
+    used[triangles] = True
+    if abs(covered - 1.0) > 1e-9 or not used.all():
         raise ComputationError(
-            f"the triangles of {len(points)} nodes cover {covered:.12g} of the unit square: try another seed"
+            f"the triangles of {nodes} nodes cover {covered:.12g} of the unit square and miss "
+            f"{int(np.count_nonzero(~used))} nodes: try another seed"
         )
     return triangles.astype(np.int32)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from difflib import get_close_matches
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from vasculo.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+ThresholdKind = Literal["strain", "force"]
+ThresholdLaw = Literal["normal", "weibull"]
+
 _LEAST, _MOST = 1e-6, 1e6
 """Ends of the ranges that have no natural one: beyond them a run would not end, or leave the finite numbers."""
 
@@ -21,9 +24,12 @@ _RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
     # name: lowest, highest, is the lowest value itself allowed
     {
         "growth_rate": (_LEAST, _MOST, True),
+        "growth_time": (_LEAST, _MOST, True),
+        "pillar_spacing": (0.0, _MOST, False),
         "damping": (0.0, _MOST, True),
         "threshold": (0.0, _MOST, False),
         "threshold_spread": (0.0, 1.0, True),
+        "threshold_correlation": (0.0, 1e3, True),
         "tether": (0.0, _MOST, True),
         "stop_void_fraction": (0.0, 1.0, False),
         "growth_limit": (0.0, 1.0, False),
@@ -35,6 +41,13 @@ _RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
         "settling_time": (0.0, _MOST, True),
         "time_step": (_LEAST, _MOST, True),
     }
+)
+
+_OPTIONAL = ("growth_time", "pillar_spacing", "time_step")
+"""Numbers that may be left to the tissue."""
+
+_WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"threshold_kind": get_args(ThresholdKind), "threshold_law": get_args(ThresholdLaw)}
 )
 
 
@@ -50,14 +63,27 @@ class Vasculogenesis:
     ----------
     growth_rate : float
         Rate rho at which the rest-length factor s falls from 1 (1 / time), >= 1e-6. Larger: more and smaller voids.
+    growth_time : float, optional
+        Time in which s falls from 1 to growth_limit (sqrt(m / k)), >= 1e-6; replaces growth_rate.
+    pillar_spacing : float, optional
+        Wanted distance of the voids, and so of the pillars, as the square root of the area a void (model length, the
+        tissue's side is 1); replaces growth_rate by the rate that gives it, by a measured law.
     damping : float
         Friction D on each node while springs may break (sqrt(k m)), >= 0. Only D rho counts once D is above 1.
     threshold : float
-        Mean strain theta above which a spring breaks, > 0.
+        Mean threshold theta above which a spring breaks, > 0: a strain, or a force over mean stiffness times length.
+    threshold_kind : {"strain", "force"}
+        Whether a spring breaks by its elongation over its own length, or by a force that is the same for all lengths.
+    threshold_law : {"normal", "weibull"}
+        Distribution of the thresholds; a normal one is cut at 0.3 of its mean.
     threshold_spread : float
         Standard deviation of the thresholds over their mean, 0 to 1.
+    threshold_correlation : float
+        Distance over which thresholds are alike (mean spring length), 0 for independent ones, or 1 to 1000: their
+        correlation falls as exp(-r^2 / 2 l^2).
     tether : float
-        Stiffness of the tether of each node to its first position (k), >= 0; 0 is the paper's own model.
+        Adhesion to the substrate: stiffness of a tether of each node to its first position (k), >= 0; 0 is the paper's
+        own model.
     stop_void_fraction : float
         Share of the area in voids at which rupture ends, in (0, 1]. 1: rupture has to end by itself (self-stopping).
     growth_limit : float
@@ -73,8 +99,9 @@ class Vasculogenesis:
         Friction on each node while tightening (sqrt(k m)), >= 0.
     tightening_time, settling_time : float
         Time over which the rest lengths fall to the final factor, > 0, and the time after it, >= 0.
-    time_step : float
-        Time step dt, >= 1e-6 and below the stability limit of the tissue.
+    time_step : float, optional
+        Time step dt, >= 1e-6 and below the stability limit of the tissue; half of what is safe in every shape, rounded
+        down, if not given (0.2 for the tissue of the paper).
 
     Raises
     ------
@@ -83,9 +110,14 @@ class Vasculogenesis:
     """
 
     growth_rate: float = 0.0009
+    growth_time: float | None = None
+    pillar_spacing: float | None = None
     damping: float = 5.0
     threshold: float = 0.5
+    threshold_kind: ThresholdKind = "strain"
+    threshold_law: ThresholdLaw = "normal"
     threshold_spread: float = 0.2
+    threshold_correlation: float = 0.0
     tether: float = 0.01
     stop_void_fraction: float = 0.40
     growth_limit: float = 0.4
@@ -95,15 +127,35 @@ class Vasculogenesis:
     tightening_damping: float = 0.3
     tightening_time: float = 100.0
     settling_time: float = 150.0
-    time_step: float = 0.2
+    time_step: float | None = None
 
     def __post_init__(self) -> None:
         for name, (low, high, closed) in _RANGES.items():
             value = getattr(self, name)
+            if value is None and name in _OPTIONAL:
+                continue
             number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
             if not number or not np.isfinite(value) or not low <= value <= high or (value == low and not closed):
                 bounds = f"{'[' if closed else '('}{low:g}, {high:g}]"
                 raise InputError(f"{name} is {value!r}, expected a number in {bounds}")
+        for name, known in _WORDS.items():
+            if getattr(self, name) not in known:
+                raise InputError(f"{name} is {getattr(self, name)!r}, expected one of {', '.join(known)}")
+        if 0.0 < self.threshold_correlation < 1.0:
+            raise InputError(
+                f"threshold_correlation is {self.threshold_correlation:g}, expected 0 or a number in [1, 1000]: below "
+                "one spring there is nothing to correlate"
+            )
+        if self.growth_time is not None and self.pillar_spacing is not None:
+            raise InputError(
+                f"growth_time {self.growth_time:g} and pillar_spacing {self.pillar_spacing:g} both decide on the rate "
+                "of growth: give one of them"
+            )
+        if self.pillar_spacing is not None and self.self_stopping:
+            raise InputError(
+                f"pillar_spacing {self.pillar_spacing:g} needs rupture that ends at a void fraction, and "
+                "stop_void_fraction is 1: its law was measured from 0.2 to 0.5"
+            )
         if self.final_rest_factor > self.growth_limit:
             raise InputError(
                 f"final_rest_factor {self.final_rest_factor:g} is above growth_limit {self.growth_limit:g}: "

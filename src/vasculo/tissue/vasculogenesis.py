@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import InputError
+from vasculo.springs.parts import connected_parts
 from vasculo.tissue.parameters import PRESETS, Vasculogenesis
 from vasculo.tissue.process import Process
+from vasculo.tissue.settle import settle
 from vasculo.tissue.step import GrowthPhase, GrowthStep
 
 if TYPE_CHECKING:
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 
     from vasculo.springs.network import SpringNetwork
 
-__all__ = ["PRESETS", "GrowthPhase", "GrowthStep", "Vasculogenesis", "check_time_step", "grow_plexus"]
+__all__ = ["PRESETS", "GrowthPhase", "GrowthStep", "Vasculogenesis", "grow_plexus"]
 
 
 def grow_plexus(
@@ -33,8 +35,9 @@ def grow_plexus(
     Parameters
     ----------
     tissue : SpringNetwork
-        The initial tissue with its triangles and a pinned frame, as `lattice` makes it. Not changed. Its own damping
-        and tether are replaced by those of the parameters.
+        The initial tissue with its triangles, as `lattice` makes it: in one piece, and held by pinned nodes, by a
+        tether or by the box of a periodic one. Not changed. Its own damping and tether are replaced by those of the
+        parameters.
     parameters : Vasculogenesis, optional
         The preset "medium" if not given.
     seed : int
@@ -51,11 +54,12 @@ def grow_plexus(
     Raises
     ------
     InputError
-        When the tissue has no triangles or no free node, or the time step exceeds the stability limit in growth or
-        in tightening; before the first call of `watch`.
+        When the tissue has no triangles or no free node, is in several pieces or held by nothing, has a spring of no
+        rest length, when a wanted spacing is out of reach, or when the time step exceeds the stability limit in growth
+        or in tightening; before the first call of `watch`.
     ComputationError
         When the voids do not reach `stop_void_fraction` before the growth limit, rupture does not end by itself where
-        it should, less than 99 % of the nodes hold together, or the tissue has cracked into a few huge voids.
+        it should, less than 95 % of the nodes hold together, or the tissue has cracked into a few huge voids.
 
     Notes
     -----
@@ -66,55 +70,41 @@ def grow_plexus(
         raise InputError(f"a tissue of {len(tissue.points)} nodes without triangles has no voids: use lattice()")
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise InputError(f"seed is {seed!r}, expected a whole number >= 0")
-    if len(tissue.springs) == 0 or tissue.pinned.all():
-        raise InputError(
-            f"a tissue of {len(tissue.springs)} springs and {int((~tissue.pinned).sum())} free nodes cannot grow"
-        )
-    check_time_step(tissue, chosen)
-    process = Process(tissue, chosen, int(seed), watch)
+    check_grows(tissue, chosen)
+    process = Process(tissue, settle(tissue, chosen), int(seed), watch)
     process.rupture()
     process.drop_loose_pieces()
     process.tighten()
     return process.network_now()
 
 
-def stability_limits(tissue: SpringNetwork, parameters: Vasculogenesis) -> tuple[float, float]:
-    """Longest stable time steps of a tissue in growth and in tightening (sqrt(m / k))."""
-    stiffness, mass = float(np.mean(tissue.stiffness)), float(np.mean(tissue.masses))
-    network = tissue.copy()
-    network.tether = parameters.tether * stiffness
-    limits = []
-    for damping in (parameters.damping, parameters.tightening_damping):
-        network.damping = damping * float(np.sqrt(mass * stiffness))
-        limits.append(network.stability_limit() / float(np.sqrt(mass / stiffness)))
-    return limits[0], limits[1]
-
-
-def check_time_step(tissue: SpringNetwork, parameters: Vasculogenesis) -> tuple[float, float]:
-    """Refuse a time step that is unstable in growth or in tightening.
-
-    Parameters
-    ----------
-    tissue : SpringNetwork
-        The tissue before growth.
-    parameters : Vasculogenesis
-        Dampings, tether and time step.
-
-    Returns
-    -------
-    tuple of float
-        The limits in growth and in tightening (sqrt(m / k)).
+def check_grows(tissue: SpringNetwork, parameters: Vasculogenesis) -> None:
+    """Refuse a tissue that growth cannot stretch, naming the spring or node.
 
     Raises
     ------
     InputError
-        When the time step exceeds one of them.
+        When there is no spring or free node, a spring has no rest length, the tissue is in pieces or nothing holds it.
     """
-    growth, tightening = stability_limits(tissue, parameters)
-    limit = min(growth, tightening)
-    if parameters.time_step > limit:
+    nodes, springs = len(tissue.points), len(tissue.springs)
+    if springs == 0 or tissue.pinned.all():
+        raise InputError(f"a tissue of {springs} springs and {int((~tissue.pinned).sum())} free nodes cannot grow")
+    if not (tissue.rest_lengths > 0.0).all():
+        at = int(np.argmin(tissue.rest_lengths))
         raise InputError(
-            f"vasculogenesis.time_step = {parameters.time_step:g} exceeds the stability limit {limit:.3g} of this "
-            f"tissue ({growth:.3g} in growth, {tightening:.3g} in tightening): lower it below the limit"
+            f"spring {at} between nodes {tissue.springs[at].tolist()} has rest length 0 and so no strain: growth needs "
+            "rest lengths > 0"
         )
-    return growth, tightening
+    parts = connected_parts(tissue.springs, nodes)
+    sizes = np.sort(np.bincount(parts))[::-1]
+    if len(sizes) > 1:
+        apart = int(np.argmax(parts != parts[0]))
+        raise InputError(
+            f"the tissue is in {len(sizes)} pieces of {', '.join(str(size) for size in sizes[:3])}"
+            f"{', ...' if len(sizes) > 3 else ''} nodes, node {apart} is not joined to node 0: grow each piece alone"
+        )
+    if not tissue.pinned.any() and tissue.box is None and parameters.tether == 0.0:
+        raise InputError(
+            f"nothing holds the tissue: none of its {nodes} nodes is pinned, it has no box and tether is 0, so growth "
+            "would shrink it instead of stretching it"
+        )
