@@ -19,7 +19,7 @@ from vasculo.springs.threads import get_threads, run_team, set_threads
 def _as_before(monkeypatch):
     """A team whatever else the machine does, and the number of threads as it was."""
     monkeypatch.setattr(threads_module, "CROWDED", 0.0)
-    monkeypatch.setattr(threads_module._TEAM, "alone", 0)
+    monkeypatch.setattr(threads_module._TEAM, "paused_until", 0.0)
     before = get_threads()
     yield
     set_threads(before)
@@ -91,11 +91,15 @@ def test_on_a_crowded_machine_a_team_pauses(monkeypatch):
     monkeypatch.setattr(threads_module, "CROWDED", 2.0)  # always crowded
     monkeypatch.setattr(threads_module, "LONG", 0.0)
     set_threads(2)
+    soon, late = 3.0 + np.array([0.9, 1.1]) * threads_module.PAUSE
+    clock = iter([0.0, 1.0, 2.0, 3.0, soon, late, 5.0, 6.0, 7.0])
+    monkeypatch.setattr(threads_module, "perf_counter", lambda: next(clock))
     seen = []
-    for _ in range(threads_module.ALONE + 2):
+    for _ in range(3):
         run_team(lambda rank, threads: seen.append((rank, threads)) or 0, 2)
-    assert seen.count((0, 2)) == seen.count((1, 2)) == 2
-    assert seen.count((0, 1)) == threads_module.ALONE
+    assert sorted(seen[:2]) == [(0, 2), (1, 2)]
+    assert seen[2] == (0, 1)
+    assert sorted(seen[3:]) == [(0, 2), (1, 2)]
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, None])

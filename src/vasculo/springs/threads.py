@@ -24,8 +24,8 @@ VARIABLE = "VASCULO_THREADS"
 CROWDED = 0.8
 """Share of the time on the clock that the caller must have had a processor; below, others want the processors too."""
 
-ALONE = 20
-"""Loops that then run on one thread, before a team is tried again: threads that wait for a stopped one are slower."""
+PAUSE = 0.1
+"""Seconds for which loops then run on one thread before a team is tried again: waiting for a stopped thread is dear."""
 
 LONG = 1e-3
 """Seconds from which on a loop tells how crowded the machine is."""
@@ -40,7 +40,7 @@ class _Team:
         self.pool: ThreadPoolExecutor | None = None
         self.process = -1
         self.helpers = 0
-        self.alone = 0
+        self.paused_until = 0.0
 
     def get_pool(self, helpers: int) -> ThreadPoolExecutor:
         """Return a pool with as many threads; one from before a fork has lost its threads."""
@@ -93,10 +93,7 @@ def run_team(loop: Callable[..., int], most: int, *arguments: object) -> int:
         Most threads that the work is worth.
     """
     threads = min(get_threads(), most)
-    if threads > 1 and _TEAM.alone > 0:
-        _TEAM.alone -= 1
-        threads = 1
-    if threads <= 1 or not _TEAM.busy.acquire(blocking=False):
+    if threads <= 1 or perf_counter() < _TEAM.paused_until or not _TEAM.busy.acquire(blocking=False):
         return loop(0, 1, *arguments)
     clock, processor = perf_counter(), thread_time()
     try:
@@ -107,7 +104,7 @@ def run_team(loop: Callable[..., int], most: int, *arguments: object) -> int:
             other.result()
         took = perf_counter() - clock
         if took > LONG and thread_time() - processor < CROWDED * took:
-            _TEAM.alone = ALONE
+            _TEAM.paused_until = perf_counter() + PAUSE
     finally:
         _TEAM.busy.release()
     return done
