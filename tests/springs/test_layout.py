@@ -4,6 +4,15 @@ import numpy as np
 import pytest
 
 from vasculo.springs.layout import CURVE_BITS, PATCH, SLICE, along_curve, bring, build_layout, spread, take_back
+from vasculo.springs.network import SpringNetwork
+
+
+def ends_of(layout, patch):
+    """Places of both ends of the rows of a patch."""
+    start, stop = layout.patch_start[patch : patch + 2]
+    halo = layout.halo[layout.halo_start[patch] : layout.halo_start[patch + 1]]
+    seen = np.concatenate([PATCH * patch + np.arange(PATCH), halo])
+    return seen[layout.first[start:stop]], seen[layout.second[start:stop]]
 
 
 @pytest.mark.parametrize("nodes", [1, 9, 400, 1024, 2500])
@@ -17,8 +26,12 @@ def test_each_spring_is_in_the_patches_of_its_ends(make_irregular, nodes):
         mine = layout.order[patch * PATCH : (patch + 1) * PATCH]
         expected = np.flatnonzero(np.isin(springs, mine).any(axis=1))
         assert np.array_equal(layout.spring[start:stop], expected)
-        assert np.array_equal(layout.order[layout.first[start:stop]], springs[expected, 0])
-        assert np.array_equal(layout.order[layout.second[start:stop]], springs[expected, 1])
+        first, second = ends_of(layout, patch)
+        assert np.array_equal(layout.order[first], springs[expected, 0])
+        assert np.array_equal(layout.order[second], springs[expected, 1])
+        halo = layout.halo[layout.halo_start[patch] : layout.halo_start[patch + 1]]
+        assert len(np.unique(halo)) == len(halo)
+        assert not np.isin(layout.order[halo], mine).any()
         degrees = np.bincount(springs.ravel(), minlength=len(points))[mine]
         assert np.all(np.diff(degrees) <= 0)
 
@@ -54,13 +67,26 @@ def test_patches_are_compact(make_irregular):
     assert len(layout.slots) < 1.2 * 2 * len(springs)
 
 
+def test_a_hub_of_all_nodes_has_wide_numbers():
+    # One node joined to 70,000 others: its patch sees more places than 16 bits can number.
+    nodes = 70_001
+    springs = np.column_stack([np.zeros(nodes - 1, np.int32), np.arange(1, nodes, dtype=np.int32)])
+    points = np.random.default_rng(0).random((nodes, 2))
+    assert build_layout(springs, points).first.dtype == np.uint32
+    network = SpringNetwork(points, springs, 0.0, pinned=np.arange(1, nodes))
+    network.advance(1e-6, 1)
+    np.testing.assert_allclose(network.velocities[0], 1e-6 * (points[1:] - points[0]).sum(axis=0), rtol=1e-9)
+    assert build_layout(springs[:5], points[:6]).first.dtype == np.uint16
+
+
 def test_images_stand_where_they_are_seen():
     points = np.array([[0.1, 0.5], [0.5, 0.5], [0.9, 0.5]])
     springs = np.array([[0, 1], [1, 2], [2, 0]], np.int32)
     layout = build_layout(springs, points, np.array([[0.0, 0.0], [0.0, 0.0], [-1.0, 0.0]]))
     assert layout.order[layout.image_of].tolist() == [0]
     assert layout.image_shift.tolist() == [[1.0, 0.0]]
-    assert layout.second.tolist()[2] == layout.places
+    assert layout.halo.tolist() == [layout.places]
+    assert ends_of(layout, 0)[1].tolist()[2] == layout.places
     x, y = np.full(layout.places + 1, 9.0), np.full(layout.places + 1, 9.0)
     bring(points, layout.order, layout.image_of, layout.image_shift, x, y)
     assert abs(x[layout.places] - 1.1) < 1e-15

@@ -13,6 +13,9 @@ from vasculo.study.template import template
 from vasculo.tissue.parameters import PRESETS, Vasculogenesis
 
 
+MESH = {"kind": "relaxed", "jitter": 0.2, "boundary": "pinned"}
+
+
 def parse(text, **overrides):
     return parse_study(text, "study.toml", overrides.get("settings"), overrides.get("label", "settings"))
 
@@ -23,7 +26,7 @@ def test_an_empty_study_has_the_defaults_of_the_stages():
     assert settings.extraction == Extraction()
     assert settings.angiogenesis == Angiogenesis()
     assert settings.stages == ("vasculogenesis", "extraction", "angiogenesis")
-    assert settings.tissue == {"nodes": 12_000}
+    assert settings.tissue == {"nodes": 12_000} | MESH
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -52,9 +55,33 @@ def test_a_preset_is_a_start_and_single_keys_replace():
     assert "preset" not in settings.to_toml()
 
 
+def test_a_periodic_tissue_has_no_pillars():
+    text = "[tissue]\nboundary = 'periodic'\n[study]\nuntil = "
+    assert parse(f"{text}'vasculogenesis'").tissue["boundary"] == "periodic"
+    with pytest.raises(InputError) as caught:
+        parse(f"{text}'extraction'")
+    message = "study.toml: tissue.boundary = 'periodic' does not fit study.until = 'extraction': pillars need a frame"
+    assert str(caught.value).startswith(message)
+
+
+def test_a_mesh_that_cannot_be():
+    with pytest.raises(InputError, match=r"^study\.toml: tissue\.jitter is 0\.7, expected a number from 0 to 0\.5"):
+        parse("[tissue]\njitter = 0.7")
+    with pytest.raises(InputError, match=r"^study\.toml: tissue\.kind = 'square' must be one of 'relaxed', 'jittered'"):
+        parse("[tissue]\nkind = 'square'")
+
+
+def test_large_tissues_are_recorded_less_often():
+    output = parse("").output
+    assert output.growth_interval(35_000) == 5
+    assert output.growth_interval(3_000_000) == 8
+    assert output.growth_interval(15_000_000) == 20
+    assert parse("[output]\ngrowth_every = 3").output.growth_interval(3_000_000) == 3
+
+
 def test_overrides_replace():
     settings = parse("[tissue]\nnodes = 500", settings={"tissue.nodes": 600, "units.length": 1000})
-    assert settings.tissue == {"nodes": 600}
+    assert settings.tissue == {"nodes": 600} | MESH
     assert settings.units.length == 1000
 
 
@@ -234,7 +261,7 @@ def test_the_forecast_writes_short_numbers():
     assert "days" in lines["expected time"]
     assert max(map(len, lines.values())) < 80
     many = dict(forecast(parse("", settings={"tissue.nodes": 100, "vasculogenesis.growth_rate": 1e6})))
-    assert many["expected pillars"] == "about 100"
+    assert many["expected pillars"] == "about 5, 0.445 apart"  # the law ends at the load 0.06
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,10 @@ def _parts(run: Run) -> list[str]:
     parts += ["<h2>Stages</h2>", _stages(run)]
     if run.steps("angiogenesis"):
         parts += ["<h2>What the flow changed</h2>", _changes(run), *_chains(run)]
+    if plexus := run.facts("plexus"):
+        rows = [(entry["name"], _text(entry["value"]), entry["meaning"]) for entry in plexus]
+        listing = table(("", "value", "meaning"), rows, ("", "value", "meaning"))
+        parts += ["<h2>Plexus</h2>", _plexus_line(plexus), folded("All numbers of the plexus", listing)]
     if extraction := run.facts("extraction"):
         rows = [(entry["name"], _text(entry["value"]), entry["meaning"]) for entry in extraction]
         listing = table(("", "value", "meaning"), rows, ("", "value", "meaning"))
@@ -156,6 +160,16 @@ def _chains(run: Run) -> list[str]:
         mean = float(np.mean(np.cos(2.0 * np.radians(angles))))
         text += f" Mergers: {len(angles)}, with a mean cos 2φ against the mean flow of {mean:.2f}."
     return [f"<p>{text}</p>"]
+
+
+def _plexus_line(plexus: list[dict[str, Any]]) -> str:
+    """Say in one line what the plexus is like."""
+    facts = {entry["name"]: entry["value"] for entry in plexus}
+    return (
+        f"<p>{facts['voids']} voids on {facts['void_fraction']:.0%} of the tissue, {facts['spacing']:.1f} mean spring "
+        f"lengths apart, {facts['cords']} cords {facts['cord_length']:.1f} long and {facts['cord_width']:.1f} wide "
+        f"between {facts['junctions']} junctions of {facts['mean_degree']:.2f} cords.</p>"
+    )
 
 
 def _notes(extraction: list[dict[str, Any]]) -> list[str]:

@@ -9,7 +9,7 @@ matrices, Kreutzer et al. 2014): a slice sums its forces in straight loops over 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     Ints = NDArray[np.int32]
     Floats = NDArray[np.float64]
+    Locals = NDArray[Any]  # uint16 or uint32
 
 PATCH = 512
 """Nodes a patch; a multiple of the slice. Its springs stay in the nearest cache."""
@@ -39,13 +40,17 @@ class Layout(NamedTuple):
         Node at each place.
     patch_start : ndarray of int32, shape (patches + 1,)
         Patch p owns the rows patch_start[p] to patch_start[p + 1] of the next three tables.
-    first, second : ndarray of int32, shape (r,)
-        Places whose positions are the two ends of the spring in each row; the second may be an image.
+    halo_start : ndarray of int32, shape (patches + 1,)
+        Patch p sees, beside its own nodes, the places halo[halo_start[p] : halo_start[p + 1]].
+    halo : ndarray of int32
+        Places of nodes of other patches, and images.
+    first, second : ndarray of uint16 (uint32 where that does not do), shape (r,)
+        The two ends of the spring in each row, as numbers within the patch: its own nodes from 0, its halo from 512 on.
     spring : ndarray of int32, shape (r,)
         Spring in each row, ascending within a patch.
     slice_start : ndarray of int32, shape (slices + 1,)
         Slice s owns slots[slice_start[s] : slice_start[s + 1]], 64 of them for each spring of its fullest node.
-    slots : ndarray of int32
+    slots : ndarray of uint16 or uint32
         Which pull of the patch each node adds: row for a first end, rows of the patch + row for a second end, and twice
         the rows of the patch for nothing.
     image_start : ndarray of int32, shape (patches + 1,)
@@ -58,11 +63,13 @@ class Layout(NamedTuple):
 
     order: Ints
     patch_start: Ints
-    first: Ints
-    second: Ints
+    halo_start: Ints
+    halo: Ints
+    first: Locals
+    second: Locals
     spring: Ints
     slice_start: Ints
-    slots: Ints
+    slots: Locals
     image_start: Ints
     image_of: Ints
     image_shift: Floats
@@ -108,9 +115,25 @@ def build_layout(springs: Ints, positions: Floats, shifts: Floats | None = None)
     first, second, spring = (np.empty(rows, dtype=np.int32) for _ in range(3))
     slots = np.empty(int(slice_start[-1]), dtype=np.int32)
     fill_rows(ends, seen, patch_start, slice_start, first, second, spring, slots)
+    halo_start, halo = np.zeros(patches + 1, dtype=np.int32), np.empty(2 * rows, dtype=np.int32)
+    number = np.zeros(SLICE * slices + len(image_of), dtype=np.int32)
+    number_within(patch_start, SLICE * slices, first, second, number, halo_start, halo)
     image_start = np.searchsorted(image_of // PATCH, np.arange(patches + 1)).astype(np.int32)
-    rows_of = patch_start, first, second, spring
-    return Layout(order, *rows_of, slice_start, slots, image_start, image_of, image_shift)
+    local = np.uint16 if max(first.max(initial=0), second.max(initial=0), slots.max(initial=0)) < 2**16 else np.uint32
+    return Layout(
+        order,
+        patch_start,
+        halo_start,
+        halo[: halo_start[-1]].copy(),
+        first.astype(local),
+        second.astype(local),
+        spring,
+        slice_start,
+        slots.astype(local),
+        image_start,
+        image_of,
+        image_shift,
+    )
 
 
 def along_curve(positions: Floats) -> NDArray[np.int64]:
@@ -190,6 +213,30 @@ def fill_rows(ends, seen, patch_start, slice_start, first, second, spring, slots
             pull = rows[p] - 1 - patch_start[p] + end * (patch_start[p + 1] - patch_start[p])
             slots[slice_start[place // SLICE] + SLICE * pulls[place] + place % SLICE] = pull
             pulls[place] += 1
+
+
+@njit(cache=True, error_model="numpy")
+def number_within(patch_start, places, first, second, number, halo_start, halo):  # type: ignore[no-untyped-def]
+    """Turn the places of both ends into numbers within their patch, and list what it sees of others.
+
+    Overwrites first, second, number (zeros at entry, one a place or image), halo_start (zeros) and halo (two a row).
+    """
+    # Strategy: a place that a patch has met before has a number above those of all earlier patches: numbers go up
+    # through all halos, and the first of a patch is known.
+    met = 0
+    for p in range(patch_start.size - 1):
+        for row in range(patch_start[p], patch_start[p + 1]):
+            for ends in (first, second):
+                place = ends[row]
+                if place // PATCH == p and place < places:
+                    ends[row] = place - PATCH * p
+                else:
+                    if number[place] <= halo_start[p]:
+                        halo[met] = place
+                        met += 1
+                        number[place] = met
+                    ends[row] = PATCH + number[place] - 1 - halo_start[p]
+        halo_start[p + 1] = met
 
 
 @njit(cache=True, error_model="numpy")

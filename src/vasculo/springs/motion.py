@@ -37,6 +37,8 @@ def damped_steps(  # type: ignore[no-untyped-def]
     speed_x,
     speed_y,
     patch_start,
+    halo_start,
+    halo,
     first,
     second,
     spring,
@@ -77,7 +79,7 @@ def damped_steps(  # type: ignore[no-untyped-def]
         Positions by place (model length).
     speed_x, speed_y : ndarray of float64, shape (places,)
         Velocities.
-    patch_start, first, second, spring, slice_start, slots, image_start, image_of, image_shift
+    patch_start, halo_start, halo, first, second, spring, slice_start, slots, image_start, image_of, image_shift
         See `vasculo.springs.layout.Layout`.
     stiffness : ndarray of float64, shape (rows,), or (1,) when all springs are alike
     rest, limit : ndarray of float64, shape (rows,)
@@ -105,9 +107,11 @@ def damped_steps(  # type: ignore[no-untyped-def]
     # the order of the spring numbers, on any number of threads.
     patches, slices, places = patch_start.size - 1, slice_start.size - 1, speed_x.size
     begin, end = patches * rank // threads, patches * (rank + 1) // threads
-    most = 0
+    most, widest = 0, 0
     for p in range(begin, end):
         most = max(most, patch_start[p + 1] - patch_start[p])
+        widest = max(widest, halo_start[p + 1] - halo_start[p])
+    near_x, near_y = np.empty(PATCH + widest), np.empty(PATCH + widest)
     arm_x, arm_y, pulls = np.empty(most), np.empty(most), np.empty((2 * most + 1, 2))
     force_x, force_y = np.empty(SLICE), np.empty(SLICE)
     uniform, common = stiffness.size == 1, stiffness[0]
@@ -118,10 +122,17 @@ def damped_steps(  # type: ignore[no-untyped-def]
         for p in range(begin, end):
             base = np.uint64(patch_start[p])
             count = np.uint64(patch_start[p + 1]) - base
+            own = np.uint64(p * PATCH)
+            for node in range(np.uint64(min(PATCH, places - p * PATCH))):
+                near_x[node], near_y[node] = x[own + node], y[own + node]
+            seen, met = np.uint64(PATCH), np.uint64(halo_start[p])
+            for other in range(np.uint64(halo_start[p + 1]) - met):
+                place = np.uint64(halo[met + other])
+                near_x[seen + other], near_y[seen + other] = x[place], y[place]
             for s in range(count):
                 i, j = np.uint64(first[base + s]), np.uint64(second[base + s])
-                arm_x[s] = x[j] - x[i]
-                arm_y[s] = y[j] - y[i]
+                arm_x[s] = near_x[j] - near_x[i]
+                arm_y[s] = near_y[j] - near_y[i]
             over = 0
             for s in range(count):
                 length = np.sqrt(arm_x[s] * arm_x[s] + arm_y[s] * arm_y[s])
@@ -145,32 +156,32 @@ def damped_steps(  # type: ignore[no-untyped-def]
                 place, column = np.uint64(q * SLICE), np.uint64(slice_start[q])
                 width = (np.uint64(slice_start[q + 1]) - column) // np.uint64(SLICE)
                 for lane in range(np.uint64(SLICE)):
-                    i = place + lane
-                    sum_x = load_x[i] if loaded else 0.0
-                    sum_y = load_y[i] if loaded else 0.0
+                    at = place + lane
+                    sum_x = load_x[at] if loaded else 0.0
+                    sum_y = load_y[at] if loaded else 0.0
                     if tethered:
-                        sum_x -= tether * (x[i] - home_x[i])
-                        sum_y -= tether * (y[i] - home_y[i])
+                        sum_x -= tether * (x[at] - home_x[at])
+                        sum_y -= tether * (y[at] - home_y[at])
                     for row in range(width):
                         slot = np.uint64(slots[column + row * np.uint64(SLICE) + lane])
                         sum_x += pulls[slot, 0]
                         sum_y += pulls[slot, 1]
                     force_x[lane], force_y[lane] = sum_x, sum_y
                 for lane in range(np.uint64(SLICE)):
-                    i = place + lane
-                    speed_x[i] = keep[i] * (speed_x[i] + push[i] * force_x[lane])
-                    speed_y[i] = keep[i] * (speed_y[i] + push[i] * force_y[lane])
-                    next_x[i] = x[i] + dt * speed_x[i]
-                    next_y[i] = y[i] + dt * speed_y[i]
-                    lost += (next_x[i] - next_x[i]) + (next_y[i] - next_y[i]) != 0.0
+                    at = place + lane
+                    speed_x[at] = keep[at] * (speed_x[at] + push[at] * force_x[lane])
+                    speed_y[at] = keep[at] * (speed_y[at] + push[at] * force_y[lane])
+                    next_x[at] = x[at] + dt * speed_x[at]
+                    next_y[at] = y[at] + dt * speed_y[at]
+                    lost += (next_x[at] - next_x[at]) + (next_y[at] - next_y[at]) != 0.0
             for image in range(image_start[p], image_start[p + 1]):
                 next_x[places + image] = next_x[image_of[image]] + image_shift[image, 0]
                 next_y[places + image] = next_y[image_of[image]] + image_shift[image, 1]
         flags[step % 2, APART * rank] = lost
         if threads > 1:
             arrive(counter, threads * (step + 1))
-        for other in range(threads):
-            if flags[step % 2, APART * other] > 0:
+        for mate in range(threads):
+            if flags[step % 2, APART * mate] > 0:
                 return step
         x, next_x = next_x, x
         y, next_y = next_y, y

@@ -8,7 +8,7 @@ from vasculo.mesh.generate import generate_mesh
 from vasculo.study.drawn import drawn_domain
 from vasculo.tissue.lattice import lattice
 from vasculo.tissue.settle import settle, stability_limits
-from vasculo.tissue.spacing import expected_spacing
+from vasculo.tissue.spacing import LOADS, expected_spacing
 
 if TYPE_CHECKING:
     from vasculo.study.settings import Settings
@@ -83,7 +83,8 @@ def _tissue(settings: Settings) -> tuple[Lines, float, float, float]:
     steps = (growth + hold + keys.tightening_time + keys.settling_time) / step
     checks = 80 + 160
     length = float(network.rest_lengths.mean())
-    voids = min((expected_spacing(network, keys) * length) ** -2.0, float(len(network.points)))
+    load = min(max(keys.growth_rate * max(keys.damping, 1.0), LOADS[0]), LOADS[1])
+    voids = (expected_spacing(network, keys, load) * length) ** -2.0
     lines = [
         ("nodes", str(len(network.points))),
         ("springs", str(len(network.springs))),
@@ -92,7 +93,7 @@ def _tissue(settings: Settings) -> tuple[Lines, float, float, float]:
         ("time steps", f"about {_number(steps)}"),
         ("expected pillars", f"about {_number(voids)}, {voids**-0.5:.3g} apart"),
     ]
-    frames = checks / settings.output.growth_every + 8
+    frames = checks / settings.output.growth_interval(len(network.springs)) + 8
     return (
         lines,
         steps * _SPRING_STEP * len(network.springs),

@@ -5,10 +5,11 @@ from __future__ import annotations
 import inspect
 import resource
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from vasculo import measure
 from vasculo.pillars.angiogenesis import remodel
 from vasculo.plexus.extract import extract
 from vasculo.store.read import CHECKPOINT
@@ -96,11 +97,12 @@ class Job:
         self.log.line(f"vasculogenesis: {len(tissue.points)} nodes, {len(tissue.springs)} springs")
         if tissue.box is not None:
             self.record.set_facts("tissue", {"box": tissue.box.tolist()})
-        recorder = GrowthRecorder(self.record, self.table, settings.output.growth_every)
+        recorder = GrowthRecorder(self.record, self.table, settings.output.growth_interval(len(tissue.springs)))
         seen = watch.in_turn(check_growth, recorder, watch.growth_progress(self.progress), self.pause)
         plexus = grow_plexus(tissue, settings.vasculogenesis, settings.study.seed, seen)
         recorder.flush()
         self.checkpoint.plexus = plexus
+        self.record.set_facts("plexus", numbers_of(plexus))
         left = len(plexus.springs) / len(tissue.springs)
         self._result = (
             f"{len(tissue.points)} nodes, {len(plexus.springs)} of {len(tissue.springs)} springs left ({left:.0%})"
@@ -149,6 +151,17 @@ class Job:
     @property
     def _start(self) -> Domain:
         return _there(self.checkpoint.domain)
+
+
+def numbers_of(plexus: SpringNetwork) -> list[dict[str, Any]]:
+    """Morphology of a plexus as facts: each single number with its name and meaning."""
+    numbers, meanings = measure.plexus(plexus), parameter_meanings(inspect.getdoc(measure.PlexusNumbers) or "")
+    values = ((field.name, getattr(numbers, field.name)) for field in fields(numbers))
+    return [
+        {"name": name, "value": value, "meaning": meanings[name]}
+        for name, value in values
+        if isinstance(value, int | float)
+    ]
 
 
 def _there(value: Any) -> Any:  # whichever result of an earlier stage

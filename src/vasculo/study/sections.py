@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import ceil
 from typing import TYPE_CHECKING, Any, Literal
 
 from vasculo.errors import InputError
@@ -10,11 +11,17 @@ from vasculo.pillars.parameters import Angiogenesis
 from vasculo.plexus.parameters import Extraction
 from vasculo.plexus.voronoi import disk_domain, voronoi_plexus
 from vasculo.study.schema import keys_of
-from vasculo.tissue.lattice import check_lattice, lattice
+from vasculo.tissue.lattice import FEWEST, MOST, check_lattice, lattice
 from vasculo.tissue.parameters import PRESETS, Vasculogenesis
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+
+OFTEN = 5
+"""Checks of the vasculogenesis from one recorded step to the next."""
+
+LARGEST_RECORD, FRAME_SPRING, CHECKS, FEWEST_FRAMES = 2e9, 20.0, 240, 12
+"""Bytes of a tissue's record that are not passed, bytes a spring and step, checks of a run, steps recorded at least."""
 
 Until = Literal["vasculogenesis", "extraction", "angiogenesis"]
 
@@ -48,22 +55,30 @@ class OutputKeys:
 
     Parameters
     ----------
-    growth_every : int
+    growth_every : int, optional
         Record every so many checks of the vasculogenesis (a check is about 0.005 of the rest-length factor), 1 or more;
-        the first and the last of each phase are recorded in any case.
+        the first and the last of each phase are recorded in any case. If not given 5, and more where the record of the
+        tissue would pass about 2 GB.
     step_every : int
         Record every so many geometry steps of the angiogenesis, 1 or more; the first and the last in any case.
     figures : bool
         Draw the figures and write the report at the end.
     """
 
-    growth_every: int = 5
+    growth_every: int | None = None
     step_every: int = 1
     figures: bool = True
 
+    def growth_interval(self, springs: int) -> int:
+        """Return the checks from one recorded step of the tissue to the next, for so many springs."""
+        if self.growth_every is not None:
+            return self.growth_every
+        frames = LARGEST_RECORD / (FRAME_SPRING * springs)
+        return max(OFTEN, ceil(CHECKS / max(frames, FEWEST_FRAMES)))
+
     def __post_init__(self) -> None:
         for name in ("growth_every", "step_every"):
-            if getattr(self, name) < 1:
+            if getattr(self, name) is not None and getattr(self, name) < 1:
                 raise InputError(f"{name} = {getattr(self, name)} is not a whole number from 1 up")
 
 
@@ -119,6 +134,10 @@ class Section:
 
 def _check_tissue(values: dict[str, Any]) -> None:
     """Refuse a tissue that cannot be made, without making one."""
+    if values["nodes"] < FEWEST:
+        raise InputError(f"nodes = {values['nodes']} is not a whole number from {FEWEST} up")
+    if values["nodes"] > MOST:
+        raise InputError(f"nodes = {values['nodes']} is above {MOST}, the most that can be made")
     check_lattice(**values)
 
 

@@ -64,6 +64,14 @@ def show_numbers(run: Run) -> None:
         for row in picked:
             table.add_row(*(_cell(name, float(run.metrics[name][row])) for name in _SHOWN[stage]))
         console.print(table)
+    if plexus := run.facts("plexus"):
+        table = _table("plexus at the end", "value")
+        for entry in plexus:
+            table.add_row(entry["name"], f"{entry['value']:.4g}")
+        console.print(table)
+        console.print(
+            "lengths in mean initial springs, areas in mean initial triangles; docs/morphometry.md defines each"
+        )
     if run.steps("angiogenesis"):
         _show_pillars(run, console)
 
