@@ -12,7 +12,6 @@ from vasculo.study.settings import parse_assignment, parse_study, read_study, to
 from vasculo.study.template import template
 from vasculo.tissue.parameters import PRESETS, Vasculogenesis
 
-
 MESH = {"kind": "relaxed", "jitter": 0.2, "boundary": "pinned"}
 
 
@@ -261,7 +260,7 @@ def test_the_forecast_writes_short_numbers():
     assert "days" in lines["expected time"]
     assert max(map(len, lines.values())) < 80
     many = dict(forecast(parse("", settings={"tissue.nodes": 100, "vasculogenesis.growth_rate": 1e6})))
-    assert many["expected pillars"] == "about 5, 0.445 apart"  # the law ends at the load 0.06
+    assert many["expected pillars"] == "about 3, 0.539 apart"  # the law ends at the load 0.06
 
 
 @pytest.mark.parametrize(

@@ -231,7 +231,9 @@ def mean_triangle_area(triangles: Ints, reference: Floats, box: Floats | None = 
     return float(np.mean(np.abs(triangle_areas(triangles, reference, reference, box))))
 
 
-def void_fraction(network: SpringNetwork, edges: InteriorEdges | None = None) -> tuple[float, int]:
+def void_fraction(
+    network: SpringNetwork, edges: InteriorEdges | None = None, unit: float | None = None
+) -> tuple[float, int]:
     """Share of the domain covered by voids, and their number.
 
     A void is a face whose deformed area exceeds ten mean initial triangles (our reading; the paper gives no number).
@@ -242,6 +244,8 @@ def void_fraction(network: SpringNetwork, edges: InteriorEdges | None = None) ->
         A network with its initial triangulation, in a frame or periodic.
     edges : InteriorEdges, optional
         `interior_edges(network.triangles, len(network.points))`, for repeated calls.
+    unit : float, optional
+        `mean_triangle_area` of the network, for repeated calls (model length squared).
 
     Returns
     -------
@@ -260,5 +264,7 @@ def void_fraction(network: SpringNetwork, edges: InteriorEdges | None = None) ->
     labels = faces(network.triangles, network.springs, len(network.points), edges)
     box = network.box
     areas = face_areas(labels, network.triangles, network.points, network.reference, box)
-    voids = areas > VOID_CUTOFF * mean_triangle_area(network.triangles, network.reference, box)
+    if unit is None:
+        unit = mean_triangle_area(network.triangles, network.reference, box)
+    voids = areas > VOID_CUTOFF * unit
     return float(areas[voids].sum() / areas.sum()), int(np.count_nonzero(voids))

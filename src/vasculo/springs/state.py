@@ -137,7 +137,7 @@ class SpringState:
     def arms(self) -> Floats:
         """Vectors (m, 2) from the first to the second end of each spring, across the seams of a box (model length)."""
         first, second = self.springs.T
-        arms = self.points[second] - self.points[first]
+        arms = np.take(self.points, second, axis=0) - np.take(self.points, first, axis=0)
         return arms if self.box is None else arms - image_offsets(self.reference, first, second, self.box)
 
     def lengths(self) -> Floats:

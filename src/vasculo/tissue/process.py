@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import ComputationError
-from vasculo.plexus.voids import interior_edges, void_fraction
+from vasculo.plexus.voids import interior_edges, mean_triangle_area, void_fraction
 from vasculo.springs.parts import largest_part
 from vasculo.tissue.growth import check_interval, growth_steps, pieces, steps_in
 from vasculo.tissue.rupture import breaking_forces
@@ -57,6 +57,7 @@ class Process:
         self.unit_damping = float(np.sqrt(mass * stiffness))
         self.limits = breaking_forces(tissue, parameters, seed)
         self.edges = interior_edges(tissue.triangles, len(tissue.points))
+        self.triangle = mean_triangle_area(tissue.triangles, tissue.reference, tissue.box)
         self.springs_at_start = len(tissue.springs)
         self.phase = GrowthPhase.GROWTH
         self.factor = 1.0
@@ -188,7 +189,7 @@ class Process:
 
     def _look(self) -> tuple[float, int]:
         """Measure the voids, tell the watcher, and return void fraction and number."""
-        fraction, voids = void_fraction(self.network, self.edges)
+        fraction, voids = void_fraction(self.network, self.edges, self.triangle)
         if self.watch is not None:
             now = self.network_now()
             pull = float(np.mean(np.abs(now.tensions()))) if len(now.springs) else 0.0
