@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.stats import qmc
 
 from vasculo import measure
@@ -102,6 +103,28 @@ def fit(rows: list[dict[str, Any]]) -> dict[str, float]:
     return law
 
 
+def draw(rows: list[dict[str, Any]], law: dict[str, float], file: Path) -> None:
+    """Draw spacing over load: the runs that vary the load alone, the others moved to it by the law, and the fit."""
+    figure = Figure(figsize=(8, 4.5), layout="constrained")
+    axes = figure.add_subplot()
+    found, spacing = columns(rows), np.array([row["spacing"] for row in rows])
+    others = sum(value * found[name] for name, value in law.items() if name not in {"1", "load", "load*load"})
+    load = np.array([row["load"] for row in rows])
+    plain = np.array([row["threshold"] == 0.5 and row["tether"] == 0.01 for row in rows])
+    axes.plot(
+        load[~plain], (spacing / np.exp(others))[~plain], "+", color="0.6", label="all settings, moved by the law"
+    )
+    axes.plot(load[plain], spacing[plain], ".", color="k", markersize=4, label="load alone")
+    x = np.geomspace(0.001, 0.06, 100)
+    depth = np.log(x / 0.0045)
+    axes.plot(x, np.exp(law["1"] + law["load"] * depth + law["load*load"] * depth**2), color="tab:red", label="fit")
+    axes.set(xscale="log", yscale="log", xlabel="load D rho  (k, m, sqrt(m / k))", ylabel="spacing of voids  (L0)")
+    axes.set_yticks([4, 5, 6, 8, 10, 12, 15], labels=["4", "5", "6", "8", "10", "12", "15"], minor=False)
+    axes.set_yticks([], minor=True)
+    axes.legend(frameon=False)
+    figure.savefig(file, dpi=120)
+
+
 def ask(case: tuple[float, int, int, dict[str, Any]]) -> tuple[float, float, float, float]:
     """Ask for a spacing; returns those measured: spacing, void fraction, variation and mean diameter over spacing."""
     set_threads(1)
@@ -149,6 +172,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--data", type=Path, default=Path("spacing_law.json"), help="kept here, read if it is there")
+    parser.add_argument("--figure", type=Path, help="picture of the fit")
     parser.add_argument("--check", action="store_true", help="ask for spacings instead, and see what is met")
     options = parser.parse_args()
     if options.check:
@@ -164,7 +188,9 @@ def main() -> None:
     for row in rows:
         if "error" in row:
             print(f"seed {row['seed']}: {row['error']}")
-    fit(good)
+    law = fit(good)
+    if options.figure is not None:
+        draw(good, law, options.figure)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,8 @@ README = (ROOT / "README.md").read_text()
 def test_python_lines_run(capsys):
     (code,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     exec(compile(code, "README.md", "exec"), {})  # noqa: S102
-    before, after, order, rate = capsys.readouterr().out.split()
+    width, before, after, order, rate = capsys.readouterr().out.split()
+    assert 0.5 < float(width) < 4.0
     assert int(before) >= int(after) >= 1
     assert -1.0 <= float(order) <= 1.0
     assert float(rate) > 0.0

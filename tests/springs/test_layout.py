@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from vasculo.springs.layout import CURVE_BITS, PATCH, SLICE, along_curve, bring, build_layout, spread, take_back
+from vasculo.springs.layout_plain import tables_plain
 from vasculo.springs.network import SpringNetwork
 
 
@@ -48,6 +49,25 @@ def test_each_node_has_its_pulls_in_the_order_of_the_springs(make_irregular, nod
         mine = np.flatnonzero((springs == node).any(axis=1))
         assert np.array_equal(layout.spring[base + pulls % count], mine)
         assert np.array_equal(pulls >= count, springs[mine, 1] == node)
+
+
+@pytest.mark.parametrize("nodes", [1, 9, 400, 2500])
+@pytest.mark.parametrize("around", [False, True])
+def test_tables_are_those_of_the_twin(make_irregular, nodes, around):
+    points, springs = make_irregular(nodes, 3) if nodes > 1 else (np.zeros((1, 2)), np.empty((0, 2), np.int32))
+    rng = np.random.default_rng(4)
+    springs = rng.permutation(springs)
+    shifts = np.where(rng.random((len(springs), 1)) < 0.1, rng.integers(-1, 2, springs.shape), 0.0) if around else None
+    layout = build_layout(springs, points, shifts)
+    place = np.argsort(layout.order)
+    ends = place[springs]
+    seen = ends[:, 1].copy()
+    for row in range(len(springs)) if around else []:
+        if shifts[row].any():
+            image = (layout.image_of == ends[row, 1]) & (layout.image_shift == -shifts[row]).all(axis=1)
+            seen[row] = layout.places + np.flatnonzero(image)[0]
+    for name, expected in tables_plain(ends, seen, layout.slice_start).items():
+        assert np.array_equal(getattr(layout, name), expected), name
 
 
 def test_the_curve_visits_near_cells_in_turn():

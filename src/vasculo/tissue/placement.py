@@ -209,3 +209,20 @@ def throw_disks(rng, points, placed, radius, margin, wrap, grid, most):  # type:
             grid[own_x, own_y, slot] = placed
             placed += 1
     return placed
+
+
+def throw_disks_plain(
+    rng: np.random.Generator, points: Floats, placed: int, radius: float, margin: float, wrap: bool, most: int
+) -> int:
+    """NumPy twin of `throw_disks`: every throw is held against all nodes."""
+    for _ in range(most):
+        if placed == len(points):
+            break
+        thrown = margin + (1.0 - 2.0 * margin) * np.array([rng.random(), rng.random()])
+        arms = points[:placed] - thrown
+        if wrap:
+            arms -= np.round(arms)
+        if (np.sum(arms * arms, axis=1) > radius * radius).all():
+            points[placed] = thrown
+            placed += 1
+    return placed
