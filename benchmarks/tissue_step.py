@@ -1,12 +1,14 @@
-"""Time of one mass-spring step (forces, damping, rupture test) and of a whole vasculogenesis.
+"""Time and memory of one mass-spring step (forces, damping, rupture test), and time of a whole vasculogenesis.
 
-Prints milliseconds a step of the engine, of the same step written with `np.add.at` and with SciPy sparse products, and
-the seconds of a whole `grow_plexus`. The best of several repeats counts: run it on a quiet machine, with one thread.
+Prints milliseconds a step of the engine, of the same step written with `np.add.at` and with SciPy sparse products, the
+bytes a node that the engine needs beside the network's own arrays, and the seconds of a whole `grow_plexus`. The best
+of several repeats counts: run it on a quiet machine. `spring_step.py` compares with LAMMPS.
 """
 
 from __future__ import annotations
 
 import argparse
+import tracemalloc
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 DT, DAMPING = 0.2, 5.0
+MOST_GROWN = 100_000  # nodes up to which a whole vasculogenesis is timed
 
 
 def best(function: Callable[[], object], repeats: int) -> float:
@@ -51,6 +54,34 @@ def plain_step(tissue: SpringNetwork, limits: Floats, gather: Callable[[Floats],
     return np.asarray(tissue.points + DT * speed)
 
 
+def print_memory(tissue: SpringNetwork, limits: Floats) -> None:
+    """Print what the engine allocates: tables that stay, and the most that a call needs on top of them."""
+    tracemalloc.start()
+    tissue.engine()
+    tables = tracemalloc.get_traced_memory()[0]
+    tracemalloc.reset_peak()
+    tissue.advance(DT, 2, break_above=limits)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    names = (
+        "points",
+        "velocities",
+        "reference",
+        "masses",
+        "pinned",
+        "springs",
+        "rest_lengths",
+        "stiffness",
+        "triangles",
+    )
+    own = sum(getattr(tissue, name).nbytes for name in names)
+    nodes = len(tissue.points)
+    print(
+        f"memory             {tables / nodes:8.0f} bytes a node of tables, {peak / nodes:.0f} with a call; "
+        f"the network's own arrays have {own / nodes:.0f}"
+    )
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -66,8 +97,8 @@ def main() -> None:
     limits = 10.0 * tissue.rest_lengths
     print(f"{nodes} nodes, {springs} springs, lattice in {best(lambda: lattice(options.nodes), 2):.2f} s")
 
-    tissue.copy().advance(DT, 1, break_above=limits)
-    engine = best(lambda: tissue.copy().advance(DT, options.steps, break_above=limits), options.repeats) / options.steps
+    tissue.advance(DT, 1, break_above=limits)
+    engine = best(lambda: tissue.advance(DT, options.steps, break_above=limits), options.repeats) / options.steps
     single = best(lambda: tissue.advance(DT, 1, break_above=limits), 20 * options.repeats)
     print(
         f"engine             {1e3 * engine:8.3f} ms a step in calls of {options.steps}, "
@@ -91,6 +122,9 @@ def main() -> None:
         time = best(lambda gather=gather: plain_step(tissue, limits, gather), 5 * options.repeats)
         print(f"{name:18s} {1e3 * time:8.3f} ms a step, {time / engine:.1f} times the engine")
 
+    print_memory(tissue.copy(), limits)
+    if options.nodes > MOST_GROWN:
+        return
     tissue = lattice(options.nodes)
     whole = best(lambda: grow_plexus(tissue), 3)
     watched = best(lambda: grow_plexus(tissue, Vasculogenesis(), watch=lambda _: None), 2)

@@ -104,10 +104,8 @@ class Engine:
 
     def refresh(self, stiffness: Floats, rest: Floats) -> None:
         """Take the stiffness and rest lengths (m,) anew, and all springs that are there as whole."""
-        if len(stiffness) and (stiffness == stiffness[0]).all():
-            self.stiffness = stiffness[:1].copy()
-        else:
-            self.stiffness = self._spread(stiffness)
+        common = stiffness[0] if len(stiffness) else 0.0
+        self.stiffness = np.array([common]) if (stiffness == common).all() else self._spread(stiffness)
         self.rest = self._spread(rest)
         self.second[:] = np.where(self.number[self.layout.spring] < 0, self.layout.first, self.layout.second)
 
