@@ -21,7 +21,7 @@ VARIABLE = "VASCULO_THREADS"
 """Environment variable with the number of threads; without it, the processors that this process may use."""
 
 
-CROWDED = 0.8
+CROWDED = 0.6
 """Share of the time on the clock that the caller must have had a processor; below, others want the processors too."""
 
 PAUSE = 0.1
