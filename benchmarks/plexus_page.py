@@ -151,8 +151,8 @@ def main() -> None:
             grown[preset, seed] = grow_plexus(lattice(options.nodes, seed), Vasculogenesis.preset(preset), seed)
             rows.append(of_plexus(grown[preset, seed]))
         mean, spread = np.mean(rows, axis=0), np.std(rows, axis=0)
-        print(f"| {preset} | " + " | ".join(f"{m:.3g} +- {s:.2g}" for m, s in zip(mean, spread, strict=True)) + " |")
-    print("| image | " + " | ".join(f"{value:.3g}" for value in image) + " |")
+        print(f"| {preset} | " + " | ".join(f"{m:.2f} +- {s:.2f}" for m, s in zip(mean, spread, strict=True)) + " |")
+    print("| image | " + " | ".join(f"{value:.2f}" for value in image) + " |")
     three_sizes(grown, options.out / "plexus_three_sizes.png")
     figure_two(grown["uniform", 1], rings, graph, grey, options.out / "plexus_beside_capillaries.png")
 
