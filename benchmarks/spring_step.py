@@ -30,12 +30,8 @@ from scipy.sparse import coo_array
 from tissue_step import DAMPING, DT, plain_step
 
 from vasculo.springs.network import SpringNetwork
+from vasculo.springs.threads import set_threads
 from vasculo.tissue.lattice import lattice
-
-try:
-    from vasculo.springs.threads import set_threads
-except ImportError:
-    set_threads = None
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -223,8 +219,7 @@ def engine(tissue: SpringNetwork, threads: int) -> Timer:
     twin, limits = tissue.copy(), 10.0 * tissue.rest_lengths
 
     def seconds(steps: int) -> float:
-        if set_threads is not None:
-            set_threads(threads)
+        set_threads(threads)
         begin = perf_counter()
         broken = twin.advance(DT, steps, break_above=limits)
         time = perf_counter() - begin
@@ -283,7 +278,7 @@ def compare(tissue: SpringNetwork, lammps: type | None, repeats: int, data: Path
         machines = choose(lammps, lambda setting: script(setting, data, longest, rest), steps)
     tissue.rest_lengths *= SHRINK
     tissue.damping = DAMPING
-    timers = {"vasculo 1 thread": engine(tissue, 1)} | ({"2 threads": engine(tissue, 2)} if set_threads else {})
+    timers = {"vasculo 1 thread": engine(tissue, 1), "2 threads": engine(tissue, 2)}
     timers |= {kind: machine.seconds for kind, machine in machines.items()}
     timers |= {"SciPy": plain(tissue, sparse=True), "add.at": plain(tissue, sparse=False)}
 

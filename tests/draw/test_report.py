@@ -53,6 +53,15 @@ def test_one_self_contained_page(tissue_run):
     assert 'name="viewport"' in content
 
 
+def test_it_describes_the_plexus(tissue_run):
+    _, checker = read(write_report(tissue_run))
+    text = " ".join(checker.text)
+    facts = {entry["name"]: entry["value"] for entry in tissue_run.facts("plexus")}
+    assert f"{facts['voids']} voids on {facts['void_fraction']:.0%} of the tissue" in text
+    assert f"{facts['cords']} cords {facts['cord_length']:.1f} long and {facts['cord_width']:.1f} wide" in text
+    assert all(name in text for name in facts)
+
+
 def test_it_holds_the_numbers(tissue_run):
     _, checker = read(write_report(tissue_run))
     text = " ".join(checker.text)

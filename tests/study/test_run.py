@@ -6,7 +6,9 @@ import tomllib
 import numpy as np
 import pytest
 
+from vasculo import measure
 from vasculo.errors import ComputationError, InputError
+from vasculo.store.checkpoint import Checkpoint
 from vasculo.store.read import open_run
 from vasculo.study import job as job_module
 from vasculo.study.folder import Log, free_folder, new_folder, old_folder
@@ -58,6 +60,25 @@ def test_a_run_of_all_stages(tissue_run):
     assert {entry["name"] for entry in tissue_run.facts("extraction")} > {"voids", "pillars", "fluid_fraction"}
     assert tissue_run.steps() == [0, 1, 2]
     assert "complete" in (tissue_run.folder / "log.txt").read_text()
+
+
+def test_the_morphology_of_the_plexus_is_kept(tissue_run):
+    facts = {entry["name"]: entry["value"] for entry in tissue_run.facts("plexus")}
+    plexus = Checkpoint.load(tissue_run.folder / "checkpoint.h5").plexus
+    found = measure.plexus(plexus)
+    assert {"voids", "spacing", "cord_length", "cord_width", "mean_degree", "connectivity"} < set(facts)
+    assert all(value == getattr(found, name) for name, value in facts.items())
+    assert all(entry["meaning"] for entry in tissue_run.facts("plexus"))
+    assert tissue_run.facts("tissue") == {}
+
+
+def test_a_periodic_tissue_is_kept_with_its_box(tmp_path):
+    settings = {"tissue.nodes": 900, "tissue.boundary": "periodic", "study.until": "vasculogenesis"}
+    done = run("plexus", tmp_path / "run", settings | {"output.figures": False, "vasculogenesis.preset": "fine"})
+    assert done.period == done.network().box == (1.0, 1.0)
+    plexus = Checkpoint.load(done.folder / "checkpoint.h5").plexus
+    assert plexus.box.tolist() == [1.0, 1.0]
+    np.testing.assert_array_equal(done.network().forces, plexus.tensions())
 
 
 def test_the_table_says_what_the_record_says(tissue_run):
