@@ -139,7 +139,11 @@ class Engine:
         none = np.empty(0)
         home_x, home_y = self._ordered(drive.home) if drive.tether != 0.0 else (none, none)
         load_x, load_y = (none, none) if drive.load is None else self._ordered(drive.load)
-        push, keep = self._ordered(np.column_stack([drive.push, drive.keep]))
+        push, keep = np.zeros(layout.places), np.zeros(layout.places)
+        for values, ordered in ((drive.push, push), (drive.keep, keep)):
+            np.take(
+                values, layout.order, out=ordered[: len(points)], mode="clip"
+            )  # unbuffered; no order is out of range
         broken = np.zeros(len(self.number), dtype=np.bool_)
         done = run_team(
             damped_steps,

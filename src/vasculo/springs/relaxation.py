@@ -12,6 +12,7 @@ import numpy as np
 
 from vasculo.errors import ComputationError
 from vasculo.springs.engine import Drive
+from vasculo.springs.stability import node_stiffness
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,8 +34,7 @@ def relax(network: SpringNetwork, tolerance: float, steps: int, load: NDArray[np
     # Strategy: blocks of eq. (2) with dt = 1. The displacement of a block is mostly the slowest motion left, so the
     # drop of the force along it gives that motion's frequency, and the frequency the critical damping.
     free = ~network.pinned
-    felt = np.bincount(network.springs.ravel(), np.repeat(network.stiffness, 2), len(network.points)).astype(np.float64)
-    mass = (2.0 * felt + network.tether) / (4.0 * MARGIN)
+    mass = node_stiffness(network.springs, network.stiffness, len(network.points), network.tether) / (4.0 * MARGIN)
     mass[mass <= 0.0] = 1.0
     push: NDArray[np.float64] = 1.0 / mass
     network.velocities[:] = 0.0

@@ -48,8 +48,8 @@ def node_stiffness(springs: Ints, stiffness: Floats, nodes: int, tether: float =
     -------
     ndarray of float64, shape (n,)
     """
-    ends = springs.ravel()
-    return np.asarray(2.0 * np.bincount(ends, weights=np.repeat(stiffness, 2), minlength=nodes) + tether)
+    felt = np.bincount(springs[:, 0], stiffness, nodes) + np.bincount(springs[:, 1], stiffness, nodes)
+    return np.asarray(2.0 * felt + tether)
 
 
 def sharp_limit(
