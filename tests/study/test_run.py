@@ -72,6 +72,18 @@ def test_the_morphology_of_the_plexus_is_kept(tissue_run):
     assert tissue_run.facts("tissue") == {}
 
 
+def test_a_plexus_that_cannot_be_measured_does_not_cost_the_run(tmp_path, monkeypatch):
+    def refuse(_):
+        raise InputError("the void of face 3 reaches around the periodic box")
+
+    monkeypatch.setattr(job_module.measure, "plexus", refuse)
+    settings = {"tissue.nodes": 900, "output.figures": False, "vasculogenesis.preset": "fine"}
+    done = run("plexus", tmp_path / "run", settings)
+    assert done.complete
+    assert done.facts("plexus") == {}
+    assert "plexus: not measured: the void of face 3" in (done.folder / "log.txt").read_text()
+
+
 def test_a_periodic_tissue_is_kept_with_its_box(tmp_path):
     settings = {"tissue.nodes": 900, "tissue.boundary": "periodic", "study.until": "vasculogenesis"}
     done = run("plexus", tmp_path / "run", settings | {"output.figures": False, "vasculogenesis.preset": "fine"})

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from vasculo.errors import ComputationError, InputError
 from vasculo.geometry.domain import Domain
@@ -16,6 +14,7 @@ from vasculo.geometry.outline import is_number, signed_area
 from vasculo.measure.influence import BORDER, sample_outlines, weighted_medians
 from vasculo.measure.skeleton import contracted, least_lengths, one_image, shares, skeleton_of
 from vasculo.plexus.outlines import repaired
+from vasculo.springs.parts import connected_parts
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -108,9 +107,8 @@ class Cords:
 
     def parts(self) -> int:
         """Count the connected parts of the graph that hold a junction."""
-        a, b = self.ends[(self.ends >= 0).all(axis=1)].T
-        size = len(self.junctions)
-        return int(connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(size, size)), directed=False)[0])
+        joined = self.ends[(self.ends >= 0).all(axis=1)]
+        return int(connected_parts(joined, len(self.junctions)).max(initial=-1)) + 1
 
     def line(self, cord: int) -> Floats:
         """Centre line (k, 2) of one cord."""

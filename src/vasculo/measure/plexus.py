@@ -12,7 +12,8 @@ from scipy.spatial import ConvexHull
 from vasculo.geometry.outline import perimeter, signed_area
 from vasculo.measure.cords import clean_outlines, trace
 from vasculo.plexus.outlines import ring_nodes
-from vasculo.plexus.survey import survey, unique_pairs
+from vasculo.plexus.survey import survey
+from vasculo.plexus.voids import triangle_edges
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -150,8 +151,7 @@ def plexus(network: SpringNetwork) -> PlexusNumbers:
     graph = trace(outlines, frame, None if box is None else box / unit, SAMPLING)
     left = None
     if network.triangles is not None:
-        edges = unique_pairs(network.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), len(network.points))
-        left = len(network.springs) / len(edges)
+        left = len(network.springs) / len(triangle_edges(network.triangles, len(network.points)))
     areas = np.array([void.area for void in found.voids])
     total = float(areas.sum())
     lengths, degrees = graph.lengths[graph.inner], graph.degrees

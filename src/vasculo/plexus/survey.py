@@ -12,8 +12,8 @@ from vasculo.errors import InputError
 from vasculo.geometry.outline import signed_area
 from vasculo.geometry.planar import planar_faces, planar_graph
 from vasculo.plexus.outlines import face_loops, outer_loop, unrolled
-from vasculo.plexus.voids import VOID_CUTOFF, faces, interior_edges, triangle_areas
-from vasculo.springs.box import image_offsets, wrapped
+from vasculo.plexus.voids import VOID_CUTOFF, faces, interior_edges, triangle_areas, triangle_edges
+from vasculo.springs.box import arms_between, wrapped
 from vasculo.springs.parts import connected_parts
 
 if TYPE_CHECKING:
@@ -149,8 +149,7 @@ def survey(network: SpringNetwork) -> Survey:
         oriented = triangles.astype(np.int32).copy()
         first_areas = triangle_areas(oriented, reference, reference, box)
         oriented[first_areas < 0.0] = oriented[first_areas < 0.0][:, ::-1]
-        corners = oriented[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-        unit = float(np.mean(_lengths(unique_pairs(corners, len(points)), reference, reference, box)))
+        unit = float(np.mean(_lengths(triangle_edges(oriented, len(points)), reference, reference, box)))
         area_unit = float(np.mean(np.abs(first_areas)))
         found = _from_triangles(oriented, springs, points, area_unit, reference, box)
     elif box is not None:
@@ -198,18 +197,8 @@ def _largest_part(springs: Ints, nodes: int) -> tuple[Ints, dict[str, int]]:
 
 def _lengths(edges: Ints, points: Floats, reference: Floats, box: Floats | None) -> Floats:
     """Lengths of edges (e,), in a box to the image of the head that they run to."""
-    step = points[edges[:, 1]] - points[edges[:, 0]]
-    if box is not None:
-        step -= image_offsets(reference, edges[:, 0], edges[:, 1], box)
+    step = arms_between(points, edges[:, 0], edges[:, 1], reference, box)
     return np.hypot(step[:, 0], step[:, 1])
-
-
-def unique_pairs(pairs: Ints, nodes: int) -> Ints:
-    """Pairs of nodes each once, the lower node first, in order."""
-    low, high = pairs.min(axis=1).astype(np.int64), pairs.max(axis=1)
-    keys = np.sort(low * nodes + high)
-    keys = keys[np.append(True, keys[1:] != keys[:-1])]  # np.unique is several times slower here
-    return np.stack([keys // nodes, keys % nodes], axis=1).astype(np.int32)
 
 
 def _from_triangles(

@@ -16,7 +16,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from vasculo.errors import InputError
-from vasculo.springs.box import image_offsets
+from vasculo.springs.box import arms_between
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,6 +48,14 @@ class InteriorEdges:
     high: Ints
     first: Ints
     second: Ints
+
+
+def triangle_edges(triangles: Ints, nodes: int) -> Ints:
+    """Edges (e, 2) of triangles (t, 3), each once, the lower node first, in order."""
+    pairs = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    keys = np.sort(pairs.min(axis=1).astype(np.int64) * nodes + pairs.max(axis=1))
+    keys = keys[np.append(True, keys[1:] != keys[:-1])]  # np.unique is several times slower here
+    return np.stack([keys // nodes, keys % nodes], axis=1).astype(np.int32)
 
 
 def interior_edges(triangles: Ints, nodes: int) -> InteriorEdges:
@@ -184,7 +192,7 @@ def triangle_areas(
     reference : ndarray of float64, shape (n, 2), optional
         Initial positions, needed with a box.
     box : ndarray of float64, shape (2,), optional
-        Periods in x and y of a periodic network; an edge then runs to the image that `image_offsets` tells.
+        Periods in x and y of a periodic network; an edge then runs to the image that `vasculo.springs.box` tells.
 
     Returns
     -------
@@ -195,8 +203,7 @@ def triangle_areas(
     xa, ya = x[a], y[a]
     if box is None or reference is None:
         return np.asarray(0.5 * ((x[b] - xa) * (y[c] - ya) - (x[c] - xa) * (y[b] - ya)))
-    one = points[b] - points[a] - image_offsets(reference, a, b, box)
-    two = points[c] - points[a] - image_offsets(reference, a, c, box)
+    one, two = arms_between(points, a, b, reference, box), arms_between(points, a, c, reference, box)
     return np.asarray(0.5 * (one[:, 0] * two[:, 1] - two[:, 0] * one[:, 1]))
 
 

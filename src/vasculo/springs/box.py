@@ -27,6 +27,12 @@ def image_offsets(reference: Floats, tails: Ints, heads: Ints, box: Floats) -> F
     return nearest_periods(reference[heads] - reference[tails], box)
 
 
+def arms_between(points: Floats, tails: Ints, heads: Ints, reference: Floats, box: Floats | None) -> Floats:
+    """Vectors (e, 2) from tails to heads, in a box to the images of the heads that the edges run to (model length)."""
+    arms = np.take(points, heads, axis=0) - np.take(points, tails, axis=0)
+    return arms if box is None else arms - image_offsets(reference, tails, heads, box)
+
+
 def wrapped(points: Floats, box: Floats) -> Floats:
     """Wrap points (n, 2) into a box, from 0 on and below its periods; not in a direction of infinite period."""
     period = np.where(np.isfinite(box), box, 1.0)

@@ -141,15 +141,15 @@ class Engine:
         load_x, load_y = (none, none) if drive.load is None else self._ordered(drive.load)
         push, keep = np.zeros(layout.places), np.zeros(layout.places)
         for values, ordered in ((drive.push, push), (drive.keep, keep)):
-            np.take(
-                values, layout.order, out=ordered[: len(points)], mode="clip"
-            )  # unbuffered; no order is out of range
+            # Clipping changes nothing here, and spares a buffer.
+            np.take(values, layout.order, out=ordered[: len(points)], mode="clip")
         broken = np.zeros(len(self.number), dtype=np.bool_)
+        most = min(get_threads(), max(1, (len(layout.patch_start) - 1) // WORTH))
         done = run_team(
             damped_steps,
-            max(1, (len(layout.patch_start) - 1) // WORTH),
+            most,
             np.zeros(1, dtype=np.int64),
-            np.zeros((2, APART * get_threads()), dtype=np.int64),
+            np.zeros((2, APART * most), dtype=np.int64),
             x,
             y,
             next_x,

@@ -10,7 +10,7 @@ from vasculo.errors import ComputationError, InputError
 from vasculo.springs.checks import as_floats, as_limits, as_number
 from vasculo.springs.engine import Drive
 from vasculo.springs.relaxation import relax
-from vasculo.springs.stability import longest_step, rounded_down, sharp_limit
+from vasculo.springs.stability import chosen_step, longest_step, sharp_limit
 from vasculo.springs.state import SpringState
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ class SpringNetwork(SpringState):
                 f"a network of {len(self.springs)} springs with {int((~self.pinned).sum())} of {len(self.points)} "
                 "nodes free has no stability limit to take a step from: give dt"
             )
-        return rounded_down(0.5 * limit)
+        return chosen_step(limit)
 
     def advance(
         self,

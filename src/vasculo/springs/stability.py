@@ -31,6 +31,15 @@ def longest_step(stiffness: Floats, mass: Floats, damping: float) -> Floats:
     return np.asarray(np.where(stiffness > 0.0, root / np.where(stiffness > 0.0, stiffness, 1.0), np.inf))
 
 
+STEP_SHARE = 0.5
+"""Share of the safe limit that a time step takes by itself: it keeps the error of the motion small."""
+
+
+def chosen_step(limit: float) -> float:
+    """Time step to take below a safe limit: half of it, rounded down so that round times are whole numbers of steps."""
+    return rounded_down(STEP_SHARE * limit)
+
+
 def rounded_down(value: float) -> float:
     """Largest of 1, 2, 5 times a power of ten that is not above a value > 0."""
     power = 10.0 ** np.floor(np.log10(value))

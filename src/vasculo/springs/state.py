@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from vasculo.springs.box import image_offsets
+from vasculo.springs.box import arms_between
 from vasculo.springs.checks import (
     as_box,
     as_floats,
@@ -136,9 +136,7 @@ class SpringState:
 
     def arms(self) -> Floats:
         """Vectors (m, 2) from the first to the second end of each spring, across the seams of a box (model length)."""
-        first, second = self.springs.T
-        arms = np.take(self.points, second, axis=0) - np.take(self.points, first, axis=0)
-        return arms if self.box is None else arms - image_offsets(self.reference, first, second, self.box)
+        return arms_between(self.points, self.springs[:, 0], self.springs[:, 1], self.reference, self.box)
 
     def lengths(self) -> Floats:
         """Present spring lengths (m,), model length."""

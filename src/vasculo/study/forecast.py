@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from vasculo.mesh.generate import generate_mesh
 from vasculo.study.drawn import drawn_domain
+from vasculo.study.sections import CHECKS, FRAME_SPRING
 from vasculo.tissue.lattice import lattice
 from vasculo.tissue.settle import settle, stability_limits
 from vasculo.tissue.spacing import LOADS, expected_spacing
@@ -20,7 +21,6 @@ _SPRING_STEP = 6e-9  # seconds a spring and time step
 _FLOW_STEP, _FLOW_TRIANGLE = 0.1, 7e-5  # seconds a geometry step, and a triangle of it: mesh, flow, cells
 _TRIANGLE_MEMORY = 0.008  # MB a triangle of the flow mesh
 _FRAME_TRIANGLE = 50.0  # bytes of the record a triangle and step
-_FRAME_SPRING = 21.0  # bytes of the record a spring and step
 _BASE_MEMORY = 240.0  # MB of the program itself
 _FIGURES_TIME = 5.0  # seconds
 _TRIANGLES_PER_PILLAR = 150.0  # of the flow mesh, two triangles across a passage
@@ -81,7 +81,6 @@ def _tissue(settings: Settings) -> tuple[Lines, float, float, float]:
     growth = (1.0 - max(keys.growth_limit, 0.6)) / keys.growth_rate
     hold = keys.hold if keys.self_stopping else 0.0
     steps = (growth + hold + keys.tightening_time + keys.settling_time) / step
-    checks = 80 + 160
     length = float(network.rest_lengths.mean())
     load = min(max(keys.growth_rate * max(keys.damping, 1.0), LOADS[0]), LOADS[1])
     voids = (expected_spacing(network, keys, load) * length) ** -2.0
@@ -93,11 +92,11 @@ def _tissue(settings: Settings) -> tuple[Lines, float, float, float]:
         ("time steps", f"about {_number(steps)}"),
         ("expected pillars", f"about {_number(voids)}, {voids**-0.5:.3g} apart"),
     ]
-    frames = checks / settings.output.growth_interval(len(network.springs)) + 8
+    frames = CHECKS / settings.output.growth_interval(len(network.springs)) + 8
     return (
         lines,
         steps * _SPRING_STEP * len(network.springs),
-        frames * _FRAME_SPRING * len(network.springs) / 1e6,
+        frames * FRAME_SPRING * len(network.springs) / 1e6,
         voids,
     )
 

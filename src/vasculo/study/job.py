@@ -10,6 +10,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from vasculo import measure
+from vasculo.errors import ComputationError, InputError
 from vasculo.pillars.angiogenesis import remodel
 from vasculo.plexus.extract import extract
 from vasculo.store.read import CHECKPOINT
@@ -102,7 +103,10 @@ class Job:
         plexus = grow_plexus(tissue, settings.vasculogenesis, settings.study.seed, seen)
         recorder.flush()
         self.checkpoint.plexus = plexus
-        self.record.set_facts("plexus", numbers_of(plexus))
+        try:
+            self.record.set_facts("plexus", numbers_of(plexus))
+        except (InputError, ComputationError) as error:  # the plexus itself is there
+            self.log.line(f"plexus: not measured: {error}")
         left = len(plexus.springs) / len(tissue.springs)
         self._result = (
             f"{len(tissue.points)} nodes, {len(plexus.springs)} of {len(tissue.springs)} springs left ({left:.0%})"

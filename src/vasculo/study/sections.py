@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 OFTEN = 5
 """Checks of the vasculogenesis from one recorded step to the next."""
 
-LARGEST_RECORD, FRAME_SPRING, CHECKS, FEWEST_FRAMES = 2e9, 20.0, 240, 12
+LARGEST_RECORD, FRAME_SPRING, CHECKS, FEWEST_FRAMES = 2e9, 21.0, 240, 12
 """Bytes of a tissue's record that are not passed, bytes a spring and step, checks of a run, steps recorded at least."""
 
 Until = Literal["vasculogenesis", "extraction", "angiogenesis"]

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from vasculo.errors import ComputationError, InputError
+from vasculo.plexus.voids import triangle_edges
 from vasculo.springs.checks import as_number
 from vasculo.springs.network import SpringNetwork
 from vasculo.tissue.placement import PLACEMENTS, Kind
@@ -90,7 +91,7 @@ def lattice(
     on_frame = ((points == 0.0) | (points == 1.0)).any(axis=1)
     return SpringNetwork(
         points,
-        sides_of(triangles, len(points)),
+        triangle_edges(triangles, len(points)),
         pinned=on_frame if boundary == "pinned" else None,
         triangles=triangles,
         box=(1.0, 1.0) if torus else None,
@@ -125,14 +126,6 @@ def _frame(each: int) -> Floats:
 def _along_strips(points: Floats, height: float) -> NDArray[np.intp]:
     """Order of the points along horizontal strips, left to right."""
     return np.lexsort((points[:, 1], points[:, 0], np.floor(points[:, 1] / height)))
-
-
-def sides_of(triangles: Ints, nodes: int) -> Ints:
-    """Sides (m, 2) of triangles, each once, lower node first, sorted."""
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1).astype(np.int64)
-    keys = np.sort(ends[:, 0] * nodes + ends[:, 1])
-    keys = keys[np.append(True, np.diff(keys) > 0)]
-    return np.column_stack([keys // nodes, keys % nodes]).astype(np.int32)
 
 
 def _triangulate(points: Floats) -> Ints:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import InputError
-from vasculo.springs.stability import rounded_down
+from vasculo.springs.stability import chosen_step
 from vasculo.tissue.spacing import growth_rate_for
 
 if TYPE_CHECKING:
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 
     from vasculo.springs.network import SpringNetwork
     from vasculo.tissue.parameters import Vasculogenesis
-
-SHARE = 0.5
-"""Share of the safe limit that a time step takes by itself."""
 
 
 def settle(tissue: SpringNetwork, parameters: Vasculogenesis) -> Vasculogenesis:
@@ -49,7 +46,7 @@ def settle(tissue: SpringNetwork, parameters: Vasculogenesis) -> Vasculogenesis:
     safe = _limits(tissue, parameters, lambda network: network.safe_limit())
     step = parameters.time_step
     if step is None:
-        step = rounded_down(SHARE * min(safe))
+        step = chosen_step(min(safe))
     elif step > min(safe):
         growth, tightening = stability_limits(tissue, parameters)
         if step > min(growth, tightening):
