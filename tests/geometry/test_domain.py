@@ -119,3 +119,18 @@ def test_a_thousand_pillars_are_checked():
     assert len(domain.pillars) == 1024
     with pytest.raises(InputError, match="pillars 500 and 1024"):
         domain.with_pillars([*pillars, pillars[500]])
+
+
+def test_repairs_are_reported():
+    square = np.array([(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0)])
+    twice = np.repeat(square + 2.0, 2, axis=0)
+    moved = square + np.array([3.0, 0.0])
+    closed = np.concatenate((moved, moved[:1]))
+    domain = Domain([(0, 0), (0, 9), (9, 9), (9, 0)], [square[::-1], twice, closed], list("abcd"))
+    assert domain.repairs == (
+        "outer outline: turned counter-clockwise",
+        "pillar 0: turned counter-clockwise",
+        "pillar 1: 4 repeated nodes dropped",
+    )
+    assert [len(pillar) for pillar in domain.pillars] == [4, 4, 4]
+    assert Domain.rectangle(9, 9, domain.pillars).repairs == ()

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+import shapely
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vasculo.errors import InputError
@@ -147,3 +148,104 @@ def test_resample_minimum_and_refusals():
             resample(ellipse(1, 1), spacing)
     with pytest.raises(InputError, match="at least 3 nodes"):
         resample(ellipse(1, 1), 1.0, minimum=2)
+
+
+def jagged(rng, triangles):
+    """Return a random simple polygon, with corners of every angle: the outline of a heap of triangles."""
+    middle = 2.0 * rng.random((triangles, 1, 2))
+    heap = shapely.union_all(shapely.polygons(middle + rng.normal(size=(triangles, 3, 2))))
+    widest = max(shapely.get_parts(heap), key=lambda part: part.area)
+    return as_outline(np.array(widest.exterior.coords))
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    spacing=st.floats(0.05, 2.0),
+    corners=st.one_of(st.none(), st.floats(5.0, 170.0)),
+    minimum=st.integers(3, 30),
+)
+def test_kept_corners_and_area_never_make_an_outline_cross_itself(seed, spacing, corners, minimum):
+    rng = np.random.default_rng(seed)
+    for _ in range(50):
+        outline = jagged(rng, rng.integers(1, 12))
+        if not is_simple(outline):
+            continue
+        fresh = resample(outline, spacing, minimum=minimum, corners=corners, keep_area=True)
+        assert is_simple(fresh)
+        assert signed_area(fresh) == pytest.approx(signed_area(outline), rel=1e-3)
+        assert len(fresh) >= min(minimum, len(outline))
+
+
+def test_corners_of_a_polygon_stay_where_they_are():
+    outline = as_outline([(0, 0), (5, 0), (5, 2), (2, 2), (2, 4), (0, 4)])
+    fresh = resample(outline, 0.3, corners=45.0, keep_area=True)
+    away = np.hypot(*(fresh[:, None] - outline[None]).T)
+    assert away.min(axis=1) == pytest.approx(0.0, abs=1e-12)
+    assert signed_area(fresh) == pytest.approx(14.0, rel=1e-12)
+    lengths = segment_lengths(fresh)
+    assert lengths.max() / lengths.min() < 1.25
+    assert lengths.mean() == pytest.approx(0.3, rel=0.05)
+    cut = resample(outline, 0.47)
+    assert np.hypot(*(cut[:, None] - outline[None]).T).min(axis=1).max() > 0.1
+
+
+def test_corners_do_not_depend_on_the_start():
+    outline = as_outline([(0, 0), (5, 0), (5, 2), (2, 2), (2, 4), (0, 4)])
+    one, two = (resample(np.roll(outline, k, axis=0), 0.3, corners=45.0) for k in (0, 4))
+    shift = int(np.flatnonzero(np.hypot(*(two - one[0]).T) < 1e-12)[0])
+    assert np.roll(two, -shift, axis=0) == pytest.approx(one, abs=1e-12)
+
+
+@pytest.mark.parametrize(("radius", "wanted"), [(1.0, 0), (0.1, 4)])
+def test_a_rounded_arc_is_no_corner(radius, wanted):
+    # a square with rounded corners; an arc of radius r turns by spacing / (2 r) radians
+    square = shapely.box(0, 0, 10, 10).buffer(-radius).buffer(radius, quad_segs=16)
+    outline = as_outline(np.array(square.exterior.coords))
+    fresh = resample(outline, 1.0, corners=40.0)
+    middle = 10.0 - radius + radius / np.sqrt(2.0)
+    corner = np.array(
+        [(10.0 - middle, 10.0 - middle), (middle, 10.0 - middle), (middle, middle), (10.0 - middle, middle)]
+    )
+    assert np.count_nonzero(np.hypot(*(fresh[:, None] - corner).T).min(axis=1) < 1e-9) == wanted
+
+
+def test_of_two_close_corners_the_sharper_stays():
+    # a chamfer half a spacing long: its ends turn by 60 and 30 degrees
+    outline = as_outline([(0, 0), (10, 0), (10, 6.0), (10 - 0.5 * np.sqrt(0.75), 6.25), (0, 6.25)])
+    fresh = resample(outline, 1.0, corners=25.0)
+    at = [np.hypot(*(fresh - node).T).min() for node in outline]
+    assert np.count_nonzero(np.array(at[2:4]) < 1e-12) == 1
+    assert at[2] < 1e-12
+
+
+@pytest.mark.parametrize("nodes", [3, 4, 7, 16, 100])
+@pytest.mark.parametrize("smooth", [False, True])
+def test_area_is_kept_at_any_number_of_nodes(nodes, smooth):
+    outline = ellipse(2.0, 1.0, 400)
+    fresh = resample(outline, 1e9, minimum=nodes, smooth=smooth, keep_area=True)
+    assert len(fresh) == nodes
+    assert signed_area(fresh) == pytest.approx(2.0 * np.pi, rel=1e-3)
+    lengths = segment_lengths(fresh)
+    assert lengths.max() / lengths.min() < 1.3
+    clockwise = resample(outline[::-1], 1e9, minimum=nodes, smooth=smooth, keep_area=True)
+    assert signed_area(clockwise) == pytest.approx(-2.0 * np.pi, rel=1e-3)
+
+
+def test_a_thin_outline_gets_nodes_until_it_is_simple():
+    # two arms 0.01 apart: nodes one unit apart would make the sides cross
+    t = np.linspace(0.0, 6.0, 200)
+    wave = np.column_stack((t, np.sin(3.0 * t)))
+    outline = as_outline(np.concatenate((wave, wave[::-1] + np.array((0.0, 0.01)))))
+    assert not is_simple(resample(outline, 0.7))
+    fresh = resample(outline, 0.7, keep_area=True)
+    assert is_simple(fresh)
+    assert len(fresh) > 2 * round(perimeter(outline) / 0.7)
+
+
+def test_corner_refusals():
+    for corners in (0.0, 180.0, -3.0, np.nan):
+        with pytest.raises(InputError, match="angle between 0 and 180"):
+            resample(TRIANGLE, 1.0, corners=corners)
+    with pytest.raises(InputError, match="no spline"):
+        resample(TRIANGLE, 1.0, corners=45.0, smooth=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vasculo.springs.layout import CURVE_BITS, PATCH, SLICE, along_curve, bring, build_layout, spread, take_back
+from vasculo.springs.layout import PATCH, SLICE, bring, build_layout, spread, take_back
 from vasculo.springs.layout_plain import tables_plain
 from vasculo.springs.network import SpringNetwork
 
@@ -68,16 +68,6 @@ def test_tables_are_those_of_the_twin(make_irregular, nodes, around):
             seen[row] = layout.places + np.flatnonzero(image)[0]
     for name, expected in tables_plain(ends, seen, layout.slice_start).items():
         assert np.array_equal(getattr(layout, name), expected), name
-
-
-def test_the_curve_visits_near_cells_in_turn():
-    side = 32
-    cells = np.stack(np.meshgrid(np.arange(side), np.arange(side), indexing="ij"), axis=-1).reshape(-1, 2)
-    along = along_curve(cells * (2.0**CURVE_BITS - 1.0) / (side - 1.0))
-    path = cells[np.argsort(along)]
-    assert len(np.unique(along)) == side * side
-    assert np.all(np.abs(np.diff(path, axis=0)).sum(axis=1) == 1)  # each next cell is a neighbour
-    assert along_curve(np.ones((4, 2))).tolist() == [0, 0, 0, 0]
 
 
 def test_patches_are_compact(make_irregular):

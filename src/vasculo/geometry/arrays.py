@@ -12,3 +12,4 @@ if TYPE_CHECKING:
     Ints: TypeAlias = NDArray[np.int32]
     Longs: TypeAlias = NDArray[np.int64]
     Flags: TypeAlias = NDArray[np.bool_]
+    Bytes: TypeAlias = NDArray[np.uint8]

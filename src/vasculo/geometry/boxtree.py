@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from vasculo.geometry.curve import curve_order
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -61,40 +63,37 @@ def box_tree(segments: NDArray[np.float64], weights: NDArray[np.float64] | None 
     """
     if weights is None:
         weights = np.zeros(len(segments))
-    order = np.argsort(_curve(0.5 * (segments[:, :2] + segments[:, 2:])), kind="stable")
+    order = curve_order(0.5 * (segments[:, :2] + segments[:, 2:])).astype(np.int64)
     segments, weights = np.ascontiguousarray(segments[order]), np.ascontiguousarray(weights[order])
     leaves = 1
     while leaves * LEAF < len(segments):
         leaves *= 2
-    low = np.full((leaves * LEAF, 2), np.inf)
-    high = np.full((leaves * LEAF, 2), -np.inf)
-    least = np.full(leaves * LEAF, np.inf)
-    low[: len(segments)] = np.minimum(segments[:, :2], segments[:, 2:])
-    high[: len(segments)] = np.maximum(segments[:, :2], segments[:, 2:])
-    least[: len(segments)] = weights
-    boxes = np.empty((2 * leaves, 4))
-    lowest = np.empty(2 * leaves)
-    boxes[0], lowest[0] = 0.0, 0.0
-    low, high = low.reshape(-1, LEAF, 2).min(axis=1), high.reshape(-1, LEAF, 2).max(axis=1)
-    least = least.reshape(-1, LEAF).min(axis=1)
-    while leaves:
-        boxes[leaves : 2 * leaves, :2], boxes[leaves : 2 * leaves, 2:] = low, high
-        lowest[leaves : 2 * leaves] = least
-        leaves //= 2
-        if leaves:
-            low, high = low.reshape(-1, 2, 2).min(axis=1), high.reshape(-1, 2, 2).max(axis=1)
-            least = least.reshape(-1, 2).min(axis=1)
+    boxes, lowest = np.empty((2 * leaves, 4)), np.empty(2 * leaves)
+    fill_boxes(segments, weights, boxes, lowest)
     return BoxTree(segments, weights, order, boxes, lowest)
 
 
-def _curve(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Place of each point along the Z-shaped curve (bits of x and y interleaved)."""
-    low = points.min(axis=0)
-    extent = max(float(np.ptp(points, axis=0).max()), np.finfo(np.float64).tiny)
-    cell = np.minimum((points - low) / extent * 65536.0, 65535.0).astype(np.int64)
-    for shift, mask in ((8, 0x00FF00FF), (4, 0x0F0F0F0F), (2, 0x33333333), (1, 0x55555555)):
-        cell = (cell | (cell << shift)) & mask
-    return np.asarray(cell[:, 0] | (cell[:, 1] << 1))
+@njit(cache=True, error_model="numpy")
+def fill_boxes(segments: Floats, weights: Floats, boxes: Floats, lowest: Floats) -> None:
+    """Bounding boxes and smallest weights, from the leaves up; boxes without a segment are inside out."""
+    leaves = len(lowest) // 2
+    for box in range(2 * leaves):
+        boxes[box, 0] = boxes[box, 1] = lowest[box] = np.inf
+        boxes[box, 2] = boxes[box, 3] = -np.inf
+    boxes[0] = 0.0
+    lowest[0] = 0.0
+    for k in range(len(segments)):
+        box = leaves + k // LEAF
+        boxes[box, 0] = min(boxes[box, 0], segments[k, 0], segments[k, 2])
+        boxes[box, 1] = min(boxes[box, 1], segments[k, 1], segments[k, 3])
+        boxes[box, 2] = max(boxes[box, 2], segments[k, 0], segments[k, 2])
+        boxes[box, 3] = max(boxes[box, 3], segments[k, 1], segments[k, 3])
+        lowest[box] = min(lowest[box], weights[k])
+    for box in range(leaves - 1, 0, -1):
+        for k in range(2):
+            boxes[box, k] = min(boxes[2 * box, k], boxes[2 * box + 1, k])
+            boxes[box, k + 2] = max(boxes[2 * box, k + 2], boxes[2 * box + 1, k + 2])
+        lowest[box] = min(lowest[2 * box], lowest[2 * box + 1])
 
 
 @njit(cache=True, error_model="numpy")

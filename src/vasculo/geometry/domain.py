@@ -12,7 +12,7 @@ import shapely
 
 from vasculo.errors import InputError
 from vasculo.geometry.neighbours import as_polygons
-from vasculo.geometry.outline import as_outline, is_number, signed_area
+from vasculo.geometry.outline import is_number, mended_outline, signed_area
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -48,6 +48,8 @@ class Domain:
         Counter-clockwise, node 0 of each as given.
     sides : tuple of k str
         One name a segment of `outer`.
+    repairs : tuple of str
+        What was mended in the outlines as given, a line each: clockwise ones turned, repeated nodes dropped.
 
     Raises
     ------
@@ -63,6 +65,7 @@ class Domain:
     outer: NDArray[np.float64]
     pillars: tuple[NDArray[np.float64], ...]
     sides: tuple[str, ...]
+    repairs: tuple[str, ...]
 
     def __init__(
         self,
@@ -70,10 +73,12 @@ class Domain:
         pillars: Iterable[ArrayLike] = (),
         sides: Sequence[str] | Mapping[str, int | Sequence[int]] = (),
     ) -> None:
-        outline, names = _outer(outer, sides)
+        outline, names, mended = _outer(outer, sides)
         object.__setattr__(self, "outer", outline)
         object.__setattr__(self, "sides", names)
-        object.__setattr__(self, "pillars", _pillars(pillars, outline))
+        found, also = _pillars(pillars, outline)
+        object.__setattr__(self, "pillars", found)
+        object.__setattr__(self, "repairs", (*mended, *also))
 
     @classmethod
     def rectangle(cls, width: float, height: float, pillars: Iterable[ArrayLike] = ()) -> Domain:
@@ -125,10 +130,10 @@ class Domain:
 
 def _outer(
     outer: ArrayLike, sides: Sequence[str] | Mapping[str, int | Sequence[int]]
-) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """Check the outer outline and give each of its segments a name."""
+) -> tuple[NDArray[np.float64], tuple[str, ...], list[str]]:
+    """Check the outer outline and give each of its segments a name; says what was mended."""
     try:
-        outline = as_outline(outer)
+        outline, mended = mended_outline(outer)
     except InputError as error:
         raise InputError(f"outer outline: {error}") from None
     given = np.asarray(outer, dtype=np.float64)
@@ -141,7 +146,8 @@ def _outer(
     if not polygon.is_valid:
         raise InputError(f"the outer outline is not simple: {shapely.is_valid_reason(polygon)}")
     names = _names(sides, k)
-    return outline, names if signed_area(given) > 0.0 else names[::-1]
+    lines = [f"outer outline: {line}" for line in mended]
+    return outline, names if signed_area(given) > 0.0 else names[::-1], lines
 
 
 def _names(sides: Sequence[str] | Mapping[str, int | Sequence[int]], k: int) -> tuple[str, ...]:
@@ -172,16 +178,20 @@ def _names(sides: Sequence[str] | Mapping[str, int | Sequence[int]], k: int) -> 
     return names
 
 
-def _pillars(pillars: Iterable[ArrayLike], outer: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """Check the pillars: simple, strictly inside, disjoint."""
-    outlines = []
+def _pillars(
+    pillars: Iterable[ArrayLike], outer: NDArray[np.float64]
+) -> tuple[tuple[NDArray[np.float64], ...], list[str]]:
+    """Check the pillars: simple, strictly inside, disjoint; says what was mended."""
+    outlines, lines = [], []
     for number, pillar in enumerate(pillars):
         try:
-            outlines.append(as_outline(pillar))
+            outline, mended = mended_outline(pillar)
+            outlines.append(outline)
+            lines += [f"pillar {number}: {line}" for line in mended]
         except InputError as error:
             raise InputError(f"pillar {number}: {error}") from None
     if not outlines:
-        return ()
+        return (), lines
     polygons = as_polygons(outlines)
     invalid = np.flatnonzero(~shapely.is_valid(polygons))
     if invalid.size:
@@ -204,4 +214,4 @@ def _pillars(pillars: Iterable[ArrayLike], outer: NDArray[np.float64]) -> tuple[
         i, j = min((int(first[c]), int(second[c])) for c in clash)
         shared = shapely.intersection(polygons[i], polygons[j]).area
         raise InputError(f"pillars {i} and {j} overlap or touch (shared area {shared:.3g}): separate or merge them")
-    return tuple(outlines)
+    return tuple(outlines), lines

@@ -15,6 +15,20 @@ if TYPE_CHECKING:
 
 COINCIDENT = 1e-12
 """Neighbouring nodes closer than this fraction of the outline's extent are one node."""
+EVENNESS = 1.25
+"""Longest over shortest distance between resampled nodes, where corners allow it."""
+CORNER_GAP = 0.6
+"""Of two corners closer than this many spacings the sharper stays."""
+HALVINGS = 6
+"""How often the spacing is halved to make a resampled outline simple."""
+TRIALS = np.concatenate(
+    ([1.0], np.ravel([1.03 ** -np.arange(1, 8), 1.03 ** np.arange(1, 8)], order="F"), 1.03 ** -np.arange(8, 24))
+)
+"""Spacings that are tried, over the wanted one: from 1.23 down to 0.51, the nearest first."""
+AREA_KEPT = 1e-3
+"""Relative change of area that counts as kept."""
+EQUALISATIONS = 2
+"""Rounds that make the distances between resampled nodes alike."""
 
 
 def is_number(value: object) -> bool:
@@ -23,7 +37,12 @@ def is_number(value: object) -> bool:
 
 
 def as_outline(points: ArrayLike) -> NDArray[np.float64]:
-    """Clean a closed polygon: float64, counter-clockwise, no repeated nodes; node 0 stays first.
+    """Clean a closed polygon as `mended_outline` does, without saying what was mended; (k, 2) float64."""
+    return mended_outline(points)[0]
+
+
+def mended_outline(points: ArrayLike) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Clean a closed polygon, and say what was mended.
 
     Parameters
     ----------
@@ -32,8 +51,10 @@ def as_outline(points: ArrayLike) -> NDArray[np.float64]:
 
     Returns
     -------
-    (k', 2) float64, model length
-        Counter-clockwise nodes; the closing copy and coincident neighbours are dropped.
+    outline : (k', 2) float64, model length
+        Counter-clockwise nodes, node 0 first; the closing copy and coincident neighbours are dropped.
+    repairs : tuple of str
+        "turned counter-clockwise", "3 repeated nodes dropped"; a closing copy is no repair.
 
     Raises
     ------
@@ -51,10 +72,15 @@ def as_outline(points: ArrayLike) -> NDArray[np.float64]:
         x, y = outline[bad[0]]
         raise InputError(f"node {bad[0]} of the outline is not finite: ({x}, {y})")
     extent = float(np.ptp(outline, axis=0).max()) if len(outline) else 0.0
+    repairs: list[str] = []
+    if len(outline) > 1 and np.abs(outline[0] - outline[-1]).max() <= COINCIDENT * extent:
+        outline = outline[:-1]
     if len(outline):
         step = np.abs(outline - np.roll(outline, 1, axis=0)).max(axis=1)
         keep = step > COINCIDENT * extent
         keep[0] = True
+        if not keep.all():
+            repairs.append(f"{np.count_nonzero(~keep)} repeated nodes dropped")
         outline = outline[keep]
         if len(outline) > 1 and np.abs(outline[0] - outline[-1]).max() <= COINCIDENT * extent:
             outline = outline[:-1]
@@ -65,7 +91,8 @@ def as_outline(points: ArrayLike) -> NDArray[np.float64]:
         raise InputError(f"the outline encloses no area ({area:.3g} at an extent of {extent:.3g})")
     if area < 0.0:
         outline = np.concatenate((outline[:1], outline[:0:-1]))
-    return np.ascontiguousarray(outline)
+        repairs.append("turned counter-clockwise")
+    return np.ascontiguousarray(outline), tuple(repairs)
 
 
 def signed_area(outline: NDArray[np.float64]) -> float:
@@ -122,9 +149,15 @@ def is_simple(outline: NDArray[np.float64]) -> bool:
 
 
 def resample(
-    outline: NDArray[np.float64], spacing: float, *, minimum: int = 16, smooth: bool = False
+    outline: NDArray[np.float64],
+    spacing: float,
+    *,
+    minimum: int = 16,
+    smooth: bool = False,
+    corners: float | None = None,
+    keep_area: bool = False,
 ) -> NDArray[np.float64]:
-    """Nodes at equal arc length, starting at node 0.
+    """Nodes evenly spaced along an outline, on request with its corners and its area kept.
 
     Parameters
     ----------
@@ -137,19 +170,34 @@ def resample(
     smooth : bool, default False
         False: nodes on the polygon itself (never outside its hull, corners are cut).
         True: nodes on the periodic cubic spline through the polygon's nodes (keeps the area of a round outline).
+    corners : float, degrees, optional
+        Nodes that turn by more than this stay nodes. The turn is the angle between the two chords that reach half a
+        spacing backwards and forwards along the outline, so an arc of radius r turns by spacing / (2 r) radians and
+        teeth much shorter than the spacing do not count. Of two corners closer than 0.6 spacings the sharper stays.
+    keep_area : bool, default False
+        Whether all nodes, corners too, move along their normals by one common distance, so that the area stays that of
+        the given outline (with `smooth`, of the spline). Where corners alone shape the outline nothing moves.
 
     Returns
     -------
     (n, 2) float64, model length
-        n = max(minimum, round(length / spacing)).
+        Neither corners nor area: at equal arc length from node 0 on, n = max(minimum, round(length / spacing)).
+
+        Else from the first corner on (from node 0 where there is none), at equal distances from node to node between
+        two corners; n >= minimum. The spacing is the nearest to the wanted one, from 1.23 down to 0.51 of it, with
+        which these distances differ by less than 1.25 from piece to piece, or by as little above that as the corners
+        allow. The area is exact to rounding. The result is simple where the outline is: if need be the spacing is
+        halved, up to six times, and after that the outline itself is returned.
 
     Raises
     ------
     InputError
-        Spacing not positive, or fewer than three nodes asked for.
+        Spacing not positive, fewer than three nodes asked for, a corner angle outside 0 to 180, or corners of a spline.
     """
     if not spacing > 0.0 or minimum < 3:
         raise InputError(f"resampling needs a positive spacing and at least 3 nodes, not {spacing} and {minimum}")
+    if corners is not None and (smooth or not 0.0 < corners < 180.0):
+        raise InputError(f"corners need an angle between 0 and 180 degrees and no spline, not {corners} and {smooth}")
     closed = np.concatenate((outline, outline[:1]))
     arc = np.concatenate(([0.0], np.cumsum(segment_lengths(outline))))
     if smooth:
@@ -159,7 +207,90 @@ def resample(
         closed[-1] = closed[0]
         arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))))
     nodes = max(minimum, round(arc[-1] / spacing))
+    if corners is not None or keep_area:
+        return _resample_kept(closed, arc, arc[-1] / nodes, minimum, 180.0 if corners is None else corners, keep_area)
     wanted = arc[-1] * np.arange(nodes) / nodes
     if smooth:
         return np.ascontiguousarray(spline(np.interp(wanted, arc, fine)))
     return np.column_stack((np.interp(wanted, arc, closed[:, 0]), np.interp(wanted, arc, closed[:, 1])))
+
+
+def _resample_kept(
+    closed: NDArray[np.float64], arc: NDArray[np.float64], spacing: float, minimum: int, corners: float, keep_area: bool
+) -> NDArray[np.float64]:
+    """Resample a closed curve with its corners and perhaps its area kept; finer where it would cross itself."""
+    area = signed_area(closed[:-1])
+    for _ in range(HALVINGS + 1):
+        stops = arc[_corners(closed, arc, spacing, corners)]
+        fresh = _even_nodes(closed, arc, stops, spacing, minimum)
+        if keep_area:
+            fresh = _with_area(fresh, area)
+        if is_simple(fresh) and (not keep_area or abs(signed_area(fresh) - area) <= AREA_KEPT * abs(area)):
+            return fresh
+        spacing *= 0.5
+    return closed[:-1].copy()
+
+
+def _point_at(closed: NDArray[np.float64], arc: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points (m, 2) at places (m,) along a closed curve, which may lie outside of one turn."""
+    inside = np.mod(place, arc[-1])
+    return np.column_stack((np.interp(inside, arc, closed[:, 0]), np.interp(inside, arc, closed[:, 1])))
+
+
+def _corners(closed: NDArray[np.float64], arc: NDArray[np.float64], spacing: float, angle: float) -> NDArray[np.int64]:
+    """Nodes that turn by more than an angle (degrees), in order, the sharper of two close ones; node 0 if none does."""
+    here, place, length = closed[:-1], arc[:-1], arc[-1]
+    one = here - _point_at(closed, arc, place - 0.5 * spacing)
+    two = _point_at(closed, arc, place + 0.5 * spacing) - here
+    turn = np.abs(np.arctan2(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0], (one * two).sum(axis=1)))
+    sharpest_first = np.argsort(-turn, kind="stable")
+    kept: list[int] = []
+    for node in sharpest_first[: np.count_nonzero(turn > np.radians(angle))].tolist():
+        away = np.abs(place[kept] - place[node])
+        if np.all(np.minimum(away, length - away) >= CORNER_GAP * spacing):
+            kept.append(node)
+    return np.array(sorted(kept) or [0])
+
+
+def _even_nodes(
+    closed: NDArray[np.float64], arc: NDArray[np.float64], stops: NDArray[np.float64], spacing: float, minimum: int
+) -> NDArray[np.float64]:
+    """Nodes at the stops (places along the curve) and at equal distances between them."""
+    ends = np.append(stops, stops[0] + arc[-1])
+    pieces = np.diff(ends)
+    # Strategy: share out nodes by arc length, move them between the stops until chords, not arcs, are alike, and do
+    # both once more with the lengths that the chords then have.
+    for _ in range(2):
+        count = _shares(pieces, spacing * pieces.sum() / arc[-1], minimum)
+        bounds = np.concatenate(([0], np.cumsum(count)))
+        number = np.arange(bounds[-1] + 1)
+        place = np.interp(number, bounds, ends)
+        for _ in range(EQUALISATIONS):
+            chords = np.hypot(*np.diff(_point_at(closed, arc, place), axis=0).T)
+            passed = np.concatenate(([0.0], np.cumsum(chords)))
+            place = np.interp(np.interp(number, bounds, passed[bounds]), passed, place)
+        pieces = np.diff(passed[bounds])
+    return _point_at(closed, arc, place[:-1])
+
+
+def _shares(pieces: NDArray[np.float64], spacing: float, minimum: int) -> NDArray[np.int64]:
+    """How many segments each piece (p,) of an outline gets: the spacing nearest to the wanted one that is even."""
+    trials = spacing * TRIALS
+    counts = np.maximum(np.rint(pieces / trials[:, None]), 1.0)
+    sides = pieces / counts
+    ratio = np.where(counts.sum(axis=1) >= minimum, sides.max(axis=1) / sides.min(axis=1), np.inf)
+    fits = np.flatnonzero(ratio <= EVENNESS)
+    return np.asarray(counts[fits[0] if fits.size else np.argmin(ratio)], dtype=np.int64)
+
+
+def _with_area(outline: NDArray[np.float64], area: float) -> NDArray[np.float64]:
+    """Move all nodes by one distance along their normals so that the signed area becomes the given one."""
+    across = np.roll(outline, -1, axis=0) - np.roll(outline, 1, axis=0)
+    size = np.maximum(np.hypot(across[:, 0], across[:, 1]), 1e-300)
+    normal = np.column_stack((across[:, 1], -across[:, 0])) / size[:, None]
+    # Strategy: the area is a quadratic of the distance; take the root nearest to zero, nothing where there is none.
+    linear, square, missing = 0.5 * float(size.sum()), signed_area(normal), signed_area(outline) - area
+    root = linear * linear - 4.0 * square * missing
+    if root <= 0.0:
+        return outline
+    return np.asarray(outline - 2.0 * missing / (linear + np.sqrt(root)) * normal)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+from numba import njit
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
@@ -83,14 +84,67 @@ class PlanarFaces:
         cross = x[self.tail] * y[self.head] - x[self.head] * y[self.tail]
         return 0.5 * np.bincount(self.face, weights=cross).astype(np.float64)
 
-    def loop(self, face: int) -> Ints:
-        """Nodes around one face, counter-clockwise for an inner face."""
-        start = int(np.flatnonzero(self.face == face)[0])
-        nodes, edge = [self.tail[start]], int(self.following[start])
-        while edge != start:
-            nodes.append(self.tail[edge])
-            edge = int(self.following[edge])
-        return np.array(nodes, dtype=np.int32)
+    def loops(self, wanted: NDArray[np.bool_]) -> tuple[Ints, NDArray[np.int64], Ints]:
+        """Loops of nodes around the wanted faces (f,), end to end, counter-clockwise for inner faces.
+
+        Returns
+        -------
+        nodes : ndarray of int32, shape (k,)
+        start : ndarray of int64, shape (l + 1,)
+            Loop i is the rows start[i] to start[i + 1].
+        face : ndarray of int32, shape (l,)
+            Ascending.
+        """
+        nodes, start = np.empty(len(self.tail), dtype=np.int32), np.empty(len(wanted) + 1, dtype=np.int64)
+        count = _walk(self.tail, self.following, self.face, wanted, nodes, start)
+        return nodes[: start[count]], start[: count + 1], np.flatnonzero(wanted).astype(np.int32)
+
+
+@njit(cache=True, error_model="numpy")
+def _walk(tail, following, face, wanted, nodes, start):  # type: ignore[no-untyped-def]
+    """Nodes around the wanted faces, each from its first half-edge on; returns how many faces.
+
+    Overwrites nodes (h,) and start (f + 1,) as far as needed. For all others see `PlanarFaces`: faces are numbered in
+    order of their first half-edges.
+    """
+    row, loop, seen = 0, 0, 0
+    for begin in range(tail.size):
+        if face[begin] != seen:
+            continue
+        seen += 1
+        if not wanted[face[begin]]:
+            continue
+        start[loop] = row
+        loop += 1
+        half = begin
+        while True:
+            nodes[row] = tail[half]
+            row += 1
+            half = following[half]
+            if half == begin:
+                break
+    start[loop] = row
+    return loop
+
+
+@njit(cache=True, error_model="numpy")
+def _number(following, face):  # type: ignore[no-untyped-def]
+    """Give the cycles of half-edges numbers in order of first appearance; overwrites face (h,)."""
+    face[:] = -1
+    count = 0
+    for begin in range(following.size):
+        half = begin
+        while face[half] < 0:
+            face[half] = count
+            half = following[half]
+        if half == begin and face[begin] == count:
+            count += 1
+
+
+def _number_plain(following: Ints, face: Ints) -> None:
+    """NumPy twin of `_number`."""
+    half = np.arange(len(following))
+    face[:] = np.unique(_groups(len(half), np.stack([half, following], axis=1)), return_inverse=True)[1]
 
 
 def planar_graph(points: Floats, edges: Ints) -> PlanarGraph:
@@ -179,8 +233,8 @@ def _trace(points: Floats, edges: Ints) -> PlanarFaces:
     first_here = before < start[head]
     before[first_here] = start[head[first_here] + 1] - 1
     following = order[before].astype(np.int32)
-    smallest = _groups(2 * half, np.stack([np.arange(2 * half), following], axis=1))
-    face = np.unique(smallest, return_inverse=True)[1].astype(np.int32)
+    face = np.empty(2 * half, dtype=np.int32)
+    _number(following, face)
     return PlanarFaces(tail, head, face, following, 0)
 
 

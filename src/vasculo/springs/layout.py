@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from vasculo.geometry.curve import curve_order
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -26,9 +28,6 @@ PATCH = 512
 
 SLICE = 64
 """Nodes a slice."""
-
-CURVE_BITS = 12
-"""Hilbert's curve runs through 2^12 x 2^12 cells."""
 
 
 class Layout(NamedTuple):
@@ -99,7 +98,7 @@ def build_layout(springs: Ints, positions: Floats, shifts: Floats | None = None)
     nodes = len(positions)
     degree = np.bincount(springs.ravel(), minlength=nodes)
     patch = np.empty(nodes, dtype=np.int64)
-    patch[np.argsort(along_curve(positions), kind="stable")] = np.arange(nodes) // PATCH
+    patch[curve_order(positions)] = np.arange(nodes) // PATCH
     order = np.lexsort((-degree, patch)).astype(np.int32)
     place = np.empty(nodes, dtype=np.int32)
     place[order] = np.arange(nodes, dtype=np.int32)
@@ -134,22 +133,6 @@ def build_layout(springs: Ints, positions: Floats, shifts: Floats | None = None)
         image_of,
         image_shift,
     )
-
-
-def along_curve(positions: Floats) -> NDArray[np.int64]:
-    """Place of points along Hilbert's curve through their bounding square; (n,) int64."""
-    low = positions.min(axis=0)
-    size = float((positions.max(axis=0) - low).max())
-    cells = (2**CURVE_BITS - 1) / size if 0.0 < size < np.inf else 0.0
-    x, y = ((positions - low) * cells).astype(np.int64).T
-    along = np.zeros(len(positions), dtype=np.int64)
-    for bit in range(CURVE_BITS - 1, -1, -1):
-        right, up = (x >> bit) & 1, (y >> bit) & 1
-        along = 4 * along + ((3 * right) ^ up)
-        # The lower two quarters of a square hold the curve mirrored: at the diagonal, the right one at the other one.
-        flip = (1 - up) * right * (2**CURVE_BITS - 1)
-        x, y = np.where(up == 0, y ^ flip, x), np.where(up == 0, x ^ flip, y)
-    return along
 
 
 def _images(second: Ints, shifts: Floats | None, places: int) -> tuple[Ints, Ints, Floats]:
