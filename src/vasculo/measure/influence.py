@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import Delaunay
+
+from vasculo.mesh.delaunay import delaunay
 
 if TYPE_CHECKING:
     from vasculo.geometry.arrays import Flags, Floats, Longs
@@ -162,8 +163,10 @@ def border_lines(points: Floats, body: Longs, frame: Floats, whole: Flags) -> Bo
     helpers = middle + FAR * extent * np.array([(1.0, 0.1), (-0.1, 1.0), (-1.0, -0.1), (0.1, -1.0)])
     spots = np.concatenate([points, helpers])
     label = np.concatenate([body, np.full(4, -1)])
-    diagram = Delaunay(spots)
-    corner_label = label[diagram.simplices]
+    distinct = _distinct(spots)
+    triangles, neighbours = delaunay(spots[distinct])
+    nodes = distinct[triangles]
+    corner_label = label[nodes]
     one, two = corner_label[:, [1, 2, 0]], corner_label[:, [2, 0, 1]]
     crossing = (one != two) & (one >= 0) & (two >= 0)
     kept = np.flatnonzero(crossing.any(axis=1))
@@ -171,8 +174,8 @@ def border_lines(points: Floats, body: Longs, frame: Floats, whole: Flags) -> Bo
         return _nothing()
     number = np.full(len(crossing) + 1, -1)
     number[kept] = np.arange(len(kept))
-    corners, crossing = diagram.simplices[kept].astype(np.int64), crossing[kept]
-    beside = number[diagram.neighbors[kept]]
+    corners, crossing = nodes[kept], crossing[kept]
+    beside = number[neighbours[kept]]
     centres, radii = circumcircles(spots, corners)
     normals, offsets = _half_planes(frame)
     inside = np.all(centres @ normals.T - offsets + radii[:, None] * whole <= 0.0, axis=1)
@@ -214,6 +217,13 @@ def border_lines(points: Floats, body: Longs, frame: Floats, whole: Flags) -> Bo
     path[first[:-1]], near[first[:-1]] = start, samples[head]
     path[first[1:] - 1], near[first[1:] - 1] = end, samples[tail]
     return BorderLines(centres[meeting], ends, label[samples[head]], first, path, near)
+
+
+def _distinct(points: Floats) -> Longs:
+    """Numbers of the points, ascending, without those that are where an earlier one is already."""
+    order = np.lexsort(points.T)
+    again = (points[order[1:]] == points[order[:-1]]).all(axis=1)
+    return np.sort(np.delete(order, np.flatnonzero(again) + 1))
 
 
 def _nothing() -> BorderLines:

@@ -249,6 +249,8 @@ def in_cut(places: Floats, box: Floats, reach: float) -> Flags:
         gaps = np.diff(values, append=values[0] + period)
         starts = values + 0.5 * gaps
         starts -= period * np.rint(starts / period)
+        wide = gaps > SAME * period  # the others lie between images of one place
+        starts, gaps = starts[wide], gaps[wide]
         near = np.abs(starts) <= max(reach, float(np.abs(starts).min()))
         start = starts[near][np.argmax(gaps[near])]
         inside &= (places[:, axis] >= start) & (places[:, axis] < start + period)

@@ -1,27 +1,62 @@
-"""Constrained Delaunay triangulation of the fluid: Qhull, then walls recovered by flips, then the solid taken away."""
+"""Delaunay triangulations: of points in the plane, and of the fluid between walls."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import Delaunay, QhullError
 
-from vasculo.errors import ComputationError
-from vasculo.mesh.flips import recover_edges
+from vasculo.errors import ComputationError, InputError
+from vasculo.geometry.curve import curve_order
+from vasculo.geometry.predicates import LARGEST, SMALLEST, first_out_of_range
+from vasculo.mesh.delaunay_fluid import BOTH, OPEN, OUTSIDE, TWICE, keep_left, pick
+from vasculo.mesh.delaunay_walls import any_triangle, recover_edges
+from vasculo.mesh.flips import restore_delaunay
+from vasculo.mesh.insertion import MOST, ROW, first_corner, insert_nodes, write_triangles
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-FRAME = 12
-"""Far nodes on a circle around the domain, so that no wall lies on the hull."""
+    from vasculo.geometry.arrays import Floats, Ints
 
 
-def fluid_triangles(
-    points: NDArray[np.float64], edges: NDArray[np.int32]
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def delaunay(points: Floats, *, presorted: bool = False) -> tuple[Ints, Ints]:
+    """Triangulate points: no circumcircle of a triangle has a point inside of it, exactly.
+
+    Parameters
+    ----------
+    points : (n, 2) float64, model length
+        At least three, not all on a line, no two the same; coordinates that are zero or 1e-60 to 1e70 in size.
+    presorted : bool
+        Whether points that follow each other are near each other already, as along a space-filling curve; otherwise
+        they are sorted so inside. A matter of speed, and of the choice among the triangulations of points on a circle.
+
+    Returns
+    -------
+    triangles : (t, 3) int32
+        Corners, counter-clockwise; all of the convex hull, points on its edges among its corners. Near triangles have
+        near numbers.
+    neighbours : (t, 3) int32
+        Triangle across the edge opposite to each corner, -1 at the hull.
+
+    Raises
+    ------
+    InputError
+        Fewer than three points, coordinates out of range, two points that coincide, or all on a line.
+
+    Notes
+    -----
+    Bowyer 1981, Watson 1981, with a far node for the hull, a visibility walk, and exact predicates (Shewchuk 1997).
+    The same input gives the same triangles.
+    """
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    check_points(points)
+    if presorted:
+        return triangulate_sorted(points)
+    order = curve_order(points)
+    triangles, neighbours = triangulate_sorted(points.take(order, axis=0))
+    return order.take(triangles), neighbours
+
+
+def fluid_triangles(points: Floats, edges: Ints) -> tuple[Ints, Ints]:
     """Triangulate the fluid between directed wall edges.
 
     Parameters
@@ -34,88 +69,94 @@ def fluid_triangles(
     Returns
     -------
     triangles : (t, 3) int32
-        Counter-clockwise; every wall edge is an edge of exactly one of them. Delaunay but for the recovered walls.
+        Counter-clockwise; every wall edge is an edge of exactly one of them. Constrained Delaunay: no node that can be
+        seen from inside of a triangle lies inside of its circumcircle, exactly. Near triangles have near numbers.
     neighbours : (t, 3) int32
         Triangle across the edge opposite to each corner, -1 at the walls.
 
     Raises
     ------
     ComputationError
-        Nodes that the triangulation could not tell apart, or a wall that could not be made an edge.
+        Nodes that coincide or lie on a wall, walls that cross, or that do not part the fluid from the rest.
+    InputError
+        Fewer than three nodes, or coordinates out of range (see `delaunay`).
     """
-    triangles, neighbours = _triangulate(points)
-    missing = edges[~_present(triangles, edges)]
-    if len(missing):
-        framed = _framed(points - points.mean(axis=0))
-        at = np.empty(len(framed), dtype=np.int32)
-        failed = recover_edges(framed, triangles, neighbours, np.ascontiguousarray(missing), at)
-        if failed >= 0:
-            (ax, ay), (bx, by) = points[missing[failed]]
-            raise ComputationError(
-                f"the wall from ({ax:.6g}, {ay:.6g}) to ({bx:.6g}, {by:.6g}) could not be made an edge of the mesh "
-                f"({len(missing)} walls were missing): widen the passage beside it"
-            )
-    return _inside(triangles, neighbours, edges, len(points))
-
-
-def _framed(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Add the far nodes."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    angle = 2.0 * np.pi * (np.arange(FRAME) + 0.25) / FRAME
-    circle = np.column_stack((np.cos(angle), np.sin(angle)))
-    return np.concatenate((points, 0.5 * (low + high) + 1.5 * float(np.hypot(*(high - low))) * circle))
-
-
-def _triangulate(points: NDArray[np.float64]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Delaunay triangulation of the nodes and the far nodes around them."""
+    # Strategy: triangulate all nodes; flip away what crosses a wall; cut at the walls and keep what is to their left;
+    # make the Delaunay property good where there were flips.
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    check_points(points)
+    loops = edges[edges[:, 0] == edges[:, 1], 0]
+    if len(loops):
+        raise ComputationError(f"{len(loops)} walls have no length, the first at {_text(points[loops[0]])}")
+    order = curve_order(points)
+    points = points.take(order, axis=0)
+    place = np.empty(len(points), dtype=np.int32)
+    place[order] = np.arange(len(points), dtype=np.int32)
+    walls = place.take(edges)
     try:
-        found = Delaunay(_framed(points - points.mean(axis=0)))
-    except QhullError as error:
-        raise ComputationError(f"triangulating {len(points)} nodes failed: {str(error).split(chr(10))[0]}") from None
-    if len(found.coplanar):
-        lost, near = int(found.coplanar[0, 0]), int(found.coplanar[0, 2])
+        triangles, neighbours = triangulate_sorted(points)
+    except InputError as error:
+        raise ComputationError(str(error)) from None
+    at = any_triangle(triangles, len(points))
+    dirty, kept = np.zeros((2, len(triangles)), dtype=np.bool_)
+    number, start, end = recover_edges(points, triangles, neighbours, walls, at, dirty)
+    if number >= 0:
+        way = f"the wall from {_text(points[walls[number, 0]])} to {_text(points[walls[number, 1]])}"
+        if end < 0:
+            raise ComputationError(f"the node at {_text(points[start])} lies on {way}: move it, or cut the wall there")
         raise ComputationError(
-            f"{len(found.coplanar)} nodes coincide within rounding, the first at ({points[lost][0]:.6g}, "
-            f"{points[lost][1]:.6g}), {np.hypot(*(points[lost] - points[near])):.3g} from the next: widen that passage"
+            f"{way} crosses the wall between {_text(points[start])} and {_text(points[end])}: part them"
         )
-    return found.simplices.astype(np.int32), found.neighbors.astype(np.int32)
+    wrong, start, end = keep_left(triangles, neighbours, walls, at, kept)
+    if wrong:
+        raise ComputationError(f"{WRONG[wrong]}, from {_text(points[start])} to {_text(points[end])}")
+    triangles, neighbours, dirty = pick(triangles, neighbours, kept, dirty)
+    restore_delaunay(points, triangles, neighbours, dirty)
+    return order.take(triangles), neighbours
 
 
-def _present(triangles: NDArray[np.int32], edges: NDArray[np.int32]) -> NDArray[np.bool_]:
-    """Whether each wall is the edge of a triangle."""
-    size = int(triangles.max()) + 1
-    start = triangles.astype(np.int64).ravel()
-    keys = np.sort(start * size + triangles[:, (1, 2, 0)].ravel())
-    wanted = edges[:, 0].astype(np.int64) * size + edges[:, 1]
-    return np.asarray(keys[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)] == wanted)
+WRONG = {
+    OPEN: "the outer outline does not close: the fluid reaches the edge of the convex hull",
+    TWICE: "two walls join the same nodes",
+    OUTSIDE: "there is nothing to the left of a wall at the convex hull",
+    BOTH: "the walls do not part the fluid from the rest: it is on both sides of the wall",
+}
+"""What is said of walls that bound no fluid, before the edge where it was seen."""
 
 
-def _inside(
-    triangles: NDArray[np.int32], neighbours: NDArray[np.int32], edges: NDArray[np.int32], nodes: int
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Keep what lies to the left of the walls, by topology alone: the pieces after cutting at the walls."""
-    size = int(triangles.max()) + 1
-    start = triangles[:, (1, 2, 0)].astype(np.int64)
-    end = triangles[:, (2, 0, 1)].astype(np.int64)
-    wall = edges[:, 0].astype(np.int64) * size + edges[:, 1]
-    back = edges[:, 1].astype(np.int64) * size + edges[:, 0]
-    left = np.isin(start * size + end, wall)
-    right = np.isin(start * size + end, back)
-    cut = left | right
-    joined = (neighbours >= 0) & ~cut
-    rows = np.nonzero(joined)[0]
-    count = len(triangles)
-    graph = coo_array((np.ones(len(rows), dtype=np.int8), (rows, neighbours[joined])), shape=(count, count))
-    pieces, label = connected_components(graph.tocsr(), directed=False)
-    fluid = np.zeros(pieces, dtype=bool)
-    fluid[label[left.any(axis=1)]] = True
-    if fluid[label[right.any(axis=1)]].any() or np.count_nonzero(left) != len(edges):
-        raise ComputationError(f"the {len(edges)} walls do not part the fluid from the solid: outlines touch or cross")
-    kept = fluid[label]
-    number = np.cumsum(kept) - 1
-    inner = neighbours[kept]
-    inner = np.where(cut[kept] | (inner < 0), -1, number[inner]).astype(np.int32)
-    corners = triangles[kept]
-    if corners.max() >= nodes:
-        raise ComputationError("the outer outline does not close: a far node was reached from the fluid")
-    return np.ascontiguousarray(corners), np.ascontiguousarray(inner)
+def _text(point: Floats) -> str:
+    """Coordinates in a message."""
+    return f"({point[0]:.6g}, {point[1]:.6g})"
+
+
+def check_points(points: Floats) -> None:
+    """Refuse points that cannot be triangulated because of their number or their coordinates."""
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise InputError(f"points must have the shape (n, 2), not {points.shape}")
+    if not 3 <= len(points) <= MOST:
+        raise InputError(f"{len(points)} points cannot be triangulated: 3 to {MOST} are possible")
+    i = first_out_of_range(points)
+    if i >= 0:
+        raise InputError(
+            f"point {i} is ({points[i, 0]:.6g}, {points[i, 1]:.6g}): coordinates must be zero or {SMALLEST:g} to "
+            f"{LARGEST:g} in size"
+        )
+
+
+def triangulate_sorted(points: Floats) -> tuple[Ints, Ints]:
+    """Triangulate checked points in the order in which they stand; see `delaunay`."""
+    xy = points.ravel()
+    same = 0 if (points[0] == points[1]).all() else -1
+    if same < 0:
+        third = first_corner(xy)
+        if third < 0:
+            raise InputError(
+                f"all {len(points)} points lie on the line through {_text(points[0])} and {_text(points[1])}: "
+                "there is no triangle"
+            )
+        rows = np.empty(2 * ROW * len(points), dtype=np.uint32)
+        same = insert_nodes(xy, third, rows)
+    if same >= 0:
+        x, y = points[same]
+        raise InputError(f"two points coincide at ({x:.17g}, {y:.17g}): leave one of them out")
+    return write_triangles(rows)

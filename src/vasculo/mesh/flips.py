@@ -1,4 +1,4 @@
-"""Edge flips: making a wanted edge appear, and restoring the Delaunay property (Sloan 1993; Lawson 1977)."""
+"""Edge flips, and the Delaunay property restored by them (Lawson 1977)."""
 
 from __future__ import annotations
 
@@ -7,32 +7,30 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from vasculo.geometry.predicates import incircle
+
 if TYPE_CHECKING:
     from vasculo.geometry.arrays import Flags, Floats, Ints
     from vasculo.mesh.draft import Draft
-
-SWEEPS = 100
-"""Most passes of edge flips in a row."""
-
-ROUNDING = 1e-14
-"""Relative error of the float64 determinants below; smaller values count as zero."""
 
 
 def retriangulate(draft: Draft) -> None:
     """Make the triangles of a draft Delaunay again by flips, the walls kept; overwrites them."""
     dirty = np.ones(len(draft.triangles), dtype=np.bool_)
-    restore_delaunay(draft.points, draft.triangles, draft.neighbours, dirty, SWEEPS)
+    restore_delaunay(draft.points, draft.triangles, draft.neighbours, dirty)
 
 
 @njit(cache=True, error_model="numpy")
-def turn(points: Floats, a: int, b: int, c: int) -> float:
-    """Twice the signed area of the triangle a, b, c; zero when it is lost in rounding."""
-    left = (points[b, 0] - points[a, 0]) * (points[c, 1] - points[a, 1])
-    right = (points[b, 1] - points[a, 1]) * (points[c, 0] - points[a, 0])
-    area = left - right
-    if abs(area) <= ROUNDING * (abs(left) + abs(right)):
-        return 0.0
-    return area
+def around(triangles: Ints, neighbours: Ints, t: int, i: int) -> tuple[int, int, int, int, int, int]:
+    """Triangle u across the edge opposite to corner i of t, its corner j opposite to that edge, and the four nodes.
+
+    Returns u, j, p, a, b, q: t is (p, a, b) and u is (q, b, a).
+    """
+    u = neighbours[t, i]
+    j = 0
+    while neighbours[u, j] != t:
+        j += 1
+    return u, j, triangles[t, i], triangles[t, (i + 1) % 3], triangles[t, (i + 2) % 3], triangles[u, j]
 
 
 @njit(cache=True, error_model="numpy")
@@ -41,30 +39,15 @@ def flip(triangles: Ints, neighbours: Ints, t: int, i: int) -> None:
 
     Afterwards t = (p, a, q) and its neighbour u = (p, q, b), where p is corner i of t, (a, b) the old edge, q opposite.
     """
-    u = neighbours[t, i]
-    j = 0
-    while neighbours[u, j] != t:
-        j += 1
-    p = triangles[t, i]
-    a = triangles[t, (i + 1) % 3]
-    b = triangles[t, (i + 2) % 3]
-    q = triangles[u, j]
+    u, j, p, a, b, q = around(triangles, neighbours, t, i)
     across_bp = neighbours[t, (i + 1) % 3]
     across_pa = neighbours[t, (i + 2) % 3]
     across_aq = neighbours[u, (j + 1) % 3]
     across_qb = neighbours[u, (j + 2) % 3]
-    triangles[t, 0] = p
-    triangles[t, 1] = a
-    triangles[t, 2] = q
-    neighbours[t, 0] = across_aq
-    neighbours[t, 1] = u
-    neighbours[t, 2] = across_pa
-    triangles[u, 0] = p
-    triangles[u, 1] = q
-    triangles[u, 2] = b
-    neighbours[u, 0] = across_qb
-    neighbours[u, 1] = across_bp
-    neighbours[u, 2] = t
+    triangles[t, 0], triangles[t, 1], triangles[t, 2] = p, a, q
+    triangles[u, 0], triangles[u, 1], triangles[u, 2] = p, q, b
+    neighbours[t, 0], neighbours[t, 1], neighbours[t, 2] = across_aq, u, across_pa
+    neighbours[u, 0], neighbours[u, 1], neighbours[u, 2] = across_qb, across_bp, t
     if across_aq >= 0:
         for k in range(3):
             if neighbours[across_aq, k] == u:
@@ -76,150 +59,54 @@ def flip(triangles: Ints, neighbours: Ints, t: int, i: int) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def incircle(points: Floats, a: int, b: int, c: int, d: int) -> float:
-    """Positive when d lies inside the circle through the counter-clockwise a, b, c; zero when lost in rounding."""
-    ax = points[a, 0] - points[d, 0]
-    ay = points[a, 1] - points[d, 1]
-    bx = points[b, 0] - points[d, 0]
-    by = points[b, 1] - points[d, 1]
-    cx = points[c, 0] - points[d, 0]
-    cy = points[c, 1] - points[d, 1]
-    aa = ax * ax + ay * ay
-    bb = bx * bx + by * by
-    cc = cx * cx + cy * cy
-    value = aa * (bx * cy - by * cx) + bb * (cx * ay - cy * ax) + cc * (ax * by - ay * bx)
-    size = aa * (abs(bx * cy) + abs(by * cx)) + bb * (abs(cx * ay) + abs(cy * ax)) + cc * (abs(ax * by) + abs(ay * bx))
-    if abs(value) <= ROUNDING * size:
-        return 0.0
-    return value
+def restore_delaunay(points: Floats, triangles: Ints, neighbours: Ints, dirty: Flags) -> int:
+    """Flip edges until none has a node inside the circumcircle of the triangle on its other side, walls excepted.
 
+    Parameters
+    ----------
+    points : (n, 2) float64, model length
+    triangles, neighbours : (t, 3) int32
+        Counter-clockwise corners with a positive area, which they keep; triangle across the edge opposite to each
+        corner, negative at the walls. Overwritten.
+    dirty : (t,) bool
+        The triangles to look at; all others must be Delaunay with each other. All False afterwards.
 
-@njit(cache=True, error_model="numpy")
-def restore_delaunay(points: Floats, triangles: Ints, neighbours: Ints, dirty: Flags, sweeps: int) -> int:
-    """Flip edges until each is locally Delaunay, walls excepted; overwrites triangles and neighbours.
+    Returns
+    -------
+    int
+        Number of flips.
 
-    Returns the number of flips; at most `sweeps` passes are made. `dirty` (t,) marks the triangles to look at
-    (given: all) and is overwritten. Every triangle keeps a positive area.
+    Notes
+    -----
+    Lawson 1977. Each flip lowers the surface over the triangles whose nodes have the height x^2 + y^2, and the test is
+    exact, so no triangulation comes back and the flips come to an end.
     """
+    # Strategy: a stack of dirty triangles, started anew from each one in turn. An edge between two of them is tested by
+    # the one that comes last, so only once.
+    stack = np.empty(len(triangles), dtype=np.int32)
     flips = 0
-    for _ in range(sweeps):
-        done = 0
-        for t in range(len(triangles)):
-            if not dirty[t]:
-                continue
+    for start in range(len(triangles)):
+        if not dirty[start]:
+            continue
+        stack[0] = start
+        top = 1
+        while top > 0:
+            top -= 1
+            t = stack[top]
             dirty[t] = False
             for i in range(3):
-                u = neighbours[t, i]
-                if u < 0:
+                if neighbours[t, i] < 0 or dirty[neighbours[t, i]]:
                     continue
-                j = 0
-                while neighbours[u, j] != t:
-                    j += 1
-                p = triangles[t, i]
-                a = triangles[t, (i + 1) % 3]
-                b = triangles[t, (i + 2) % 3]
-                q = triangles[u, j]
-                if incircle(points, p, a, b, q) > 0.0 and turn(points, p, a, q) > 0.0 and turn(points, p, q, b) > 0.0:
+                u, _, p, a, b, q = around(triangles, neighbours, t, i)
+                inside = incircle(
+                    points[p, 0], points[p, 1], points[a, 0], points[a, 1], points[b, 0], points[b, 1],
+                    points[q, 0], points[q, 1],
+                )  # fmt: skip
+                if inside > 0.0:
                     flip(triangles, neighbours, t, i)
-                    done += 1
-                    dirty[t] = True
-                    dirty[u] = True
-                    for k in range(3):
-                        if neighbours[t, k] >= 0:
-                            dirty[neighbours[t, k]] = True
-                        if neighbours[u, k] >= 0:
-                            dirty[neighbours[u, k]] = True
+                    flips += 1
+                    dirty[t] = dirty[u] = True
+                    stack[top], stack[top + 1] = u, t
+                    top += 2
                     break
-        flips += done
-        if done == 0:
-            break
     return flips
-
-
-@njit(cache=True, error_model="numpy")
-def recover_edges(points: Floats, triangles: Ints, neighbours: Ints, wanted: Ints, at: Ints) -> int:
-    """Flip edges until each wanted edge is there; overwrites triangles and neighbours.
-
-    Every wanted edge must end at inner nodes of the triangulation and cross no other wanted edge. `at` (n,) is
-    a buffer. Returns the first edge that could not be made, or -1.
-    """
-    for t in range(len(triangles)):
-        for k in range(3):
-            at[triangles[t, k]] = t
-    # Strategy: walk from a to b over the crossed edges. Flip the first one whose flip leaves fewer crossings; if there
-    # is none, flip one that can be flipped at all, drawn by a linear congruence, so that flips which undo each other
-    # do not go on for ever.
-    draw = np.int64(1)
-    for w in range(len(wanted)):
-        a = wanted[w, 0]
-        b = wanted[w, 1]
-        tries = 0
-        limit = 100_000
-        while True:
-            t = at[a]
-            found = False
-            for _ in range(len(triangles)):
-                k = 0
-                while triangles[t, k] != a:
-                    k += 1
-                v = triangles[t, (k + 1) % 3]
-                z = triangles[t, (k + 2) % 3]
-                if b in (v, z):
-                    found = True
-                    break
-                if turn(points, a, v, b) > 0.0 and turn(points, a, z, b) < 0.0:
-                    break
-                t = neighbours[t, (k + 1) % 3]
-                if t == at[a]:
-                    return w
-            if found:
-                break
-            tries += 1
-            if tries > limit:
-                return w
-            spare_t = -1
-            spare_i = 0
-            spares = 0
-            i = k
-            while True:
-                u = neighbours[t, i]
-                j = 0
-                while neighbours[u, j] != t:
-                    j += 1
-                p = triangles[t, i]
-                c = triangles[t, (i + 1) % 3]
-                d = triangles[t, (i + 2) % 3]
-                q = triangles[u, j]
-                if turn(points, p, c, q) > 0.0 and turn(points, p, q, d) > 0.0:
-                    side = turn(points, a, b, p) if p != a else 0.0
-                    other = turn(points, a, b, q) if q != b else 0.0
-                    if side * other >= 0.0:
-                        spare_t = t
-                        spare_i = i
-                        break
-                    spares += 1
-                    draw = (draw * 1103515245 + 12345) & 0x7FFFFFFF
-                    if (draw >> 8) % spares == 0:
-                        spare_t = t
-                        spare_i = i
-                if q == b:
-                    break
-                if turn(points, a, b, q) > 0.0:
-                    # q is left of the way: the next crossed edge joins q and the right end c
-                    t = u
-                    i = 0
-                    while triangles[t, i] != d:
-                        i += 1
-                else:
-                    t = u
-                    i = 0
-                    while triangles[t, i] != c:
-                        i += 1
-            if spare_t < 0:
-                return w
-            u = neighbours[spare_t, spare_i]
-            flip(triangles, neighbours, spare_t, spare_i)
-            for k in range(3):
-                at[triangles[spare_t, k]] = spare_t
-                at[triangles[u, k]] = u
-    return -1

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from scipy.spatial import Delaunay
 
 from vasculo.errors import ComputationError, InputError
+from vasculo.mesh.delaunay import delaunay
 from vasculo.plexus.voids import triangle_edges
 from vasculo.springs.checks import as_number
 from vasculo.springs.network import SpringNetwork
@@ -130,9 +130,8 @@ def _along_strips(points: Floats, height: float) -> NDArray[np.intp]:
 
 def _triangulate(points: Floats) -> Ints:
     """Delaunay triangles of points that fill the unit square, counter-clockwise, sorted."""
-    triangles, twice = _counter_clockwise(np.sort(Delaunay(points).simplices, axis=1), points)
-    solid = np.abs(twice) > 1e-9 / len(points)  # a flat triangle of three frame nodes covers nothing
-    return _checked(triangles[solid], float(0.5 * np.abs(twice[solid]).sum()), len(points))
+    triangles, _ = delaunay(points)
+    return _checked(triangles, _area(triangles, points), len(points))
 
 
 def _triangulate_torus(points: Floats, overlap: float) -> Ints:
@@ -146,29 +145,24 @@ def _triangulate_torus(points: Floats, overlap: float) -> Ints:
         near = ((moved > -overlap) & (moved < 1.0 + overlap)).all(axis=1)
         images.append(moved[near])
         owners.append(np.flatnonzero(near))
-    plane, owner = np.concatenate(images), np.concatenate(owners)
+    plane, owner = np.concatenate(images), np.concatenate(owners).astype(np.int32)
     inside: NDArray[np.bool_] = np.all((plane >= 0.0) & (plane < 1.0), axis=1)
-    corners: NDArray[np.integer] = Delaunay(plane).simplices
-    nodes = owner[corners]
-    lowest = np.argmin(nodes, axis=1)
-    keep = inside[corners[np.arange(len(corners)), lowest]]
-    corners, twice = _counter_clockwise(corners[keep], plane)
-    nodes = owner[corners]
-    turned = (np.argmin(nodes, axis=1)[:, None] + np.arange(3)) % 3
-    return _checked(np.take_along_axis(nodes, turned, axis=1), float(0.5 * np.abs(twice).sum()), len(points))
+    corners, _ = delaunay(plane)
+    lowest = np.argmin(owner[corners], axis=1)
+    corners = corners[inside[corners[np.arange(len(corners)), lowest]]]
+    return _checked(owner[corners], _area(corners, plane), len(points))
 
 
-def _counter_clockwise(triangles: NDArray[np.integer], points: Floats) -> tuple[NDArray[np.integer], Floats]:
-    """Turn triangles counter-clockwise; returns them and twice their areas before that, negative where turned."""
+def _area(triangles: Ints, points: Floats) -> float:
+    """Area of all triangles together."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
-    twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    turned = triangles.copy()
-    turned[twice < 0.0] = turned[twice < 0.0][:, (0, 2, 1)]
-    return turned, twice
+    return float(0.5 * ((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])).sum())
 
 
-def _checked(triangles: NDArray[np.integer], covered: float, nodes: int) -> Ints:
-    """Sort triangles, and make sure that they cover the square and use all nodes."""
+def _checked(triangles: Ints, covered: float, nodes: int) -> Ints:
+    """Sort triangles, each with its lowest node first, and make sure that they cover the square and use all nodes."""
+    turned = (np.argmin(triangles, axis=1)[:, None] + np.arange(3)) % 3
+    triangles = np.take_along_axis(triangles, turned, axis=1)
     triangles = triangles[np.lexsort(triangles.T[::-1])]
     used = np.zeros(nodes, dtype=bool)
     used[triangles] = True
@@ -177,4 +171,4 @@ def _checked(triangles: NDArray[np.integer], covered: float, nodes: int) -> Ints
             f"the triangles of {nodes} nodes cover {covered:.12g} of the unit square and miss "
             f"{int(np.count_nonzero(~used))} nodes: try another seed"
         )
-    return triangles.astype(np.int32)
+    return triangles
