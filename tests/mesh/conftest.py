@@ -7,8 +7,8 @@ from scipy.spatial import Voronoi
 
 from vasculo.geometry.domain import Domain
 from vasculo.geometry.outline import resample
+from vasculo.mesh.adjacency import adjacency
 from vasculo.mesh.quality import signed_areas
-from vasculo.mesh.triangulation import adjacency
 
 
 def disk(x, y, r=1.0, k=35):
@@ -111,5 +111,6 @@ def check_mesh():
             assert shapely.distance(shapely.points(own.mean(axis=1)), wall).max() < 1e-12 * np.abs(domain.outer).max()
         assert set(np.unique(tags)) == set(range(len(domain.pillars))) | {-1 - j for j in range(len(mesh.side_names))}
         assert mesh.side_names == domain.side_names
+        assert mesh.check().loops == len(domain.pillars) + 1
 
     return check

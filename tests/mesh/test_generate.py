@@ -59,15 +59,20 @@ def test_triangles_across_a_passage(across, make_disk):
     assert len(met) >= across
 
 
-@pytest.mark.parametrize("gap", [0.09, 0.01, 1e-3, 1e-4])
+@pytest.mark.parametrize("gap", [0.09, 0.01, 1e-3, 1e-4, 1e-7])
 def test_thin_gaps_between_coarse_membranes(gap, make_disk, check_mesh):
     pillars = [make_disk(1.5 + (2 + gap) * i, 1.5 + (2 + gap) * j, 1.0, 36) for i in range(3) for j in range(3)]
     domain = Domain.rectangle(8, 8, pillars)
     mesh = generate_mesh(domain, 0.7)
     check_mesh(mesh, domain)
     assert mesh.quality().min() > 0.4
-    assert mesh.quality().mean() > 0.9
+    # one row of triangles fills the wedges; they are most of the mesh when the gap is very thin
+    assert mesh.quality().mean() > (0.9 if gap > 1e-3 else 0.85)
     assert len(mesh.triangles) < 20_000
+    rows = generate_mesh(domain, 0.7, across=3)
+    check_mesh(rows, domain)
+    assert rows.quality().mean() > 0.96
+    assert len(rows.triangles) < 40_000
 
 
 def test_wall_edges_stay_below_the_gap(make_disk):
@@ -190,9 +195,28 @@ def test_clockwise_outlines_give_the_same_area_and_sides(make_disk, check_mesh):
 
 def test_more_rounds_do_not_harm(make_plexus):
     domain = make_plexus(8, 6, 6, 0, 0.4)
-    means = [generate_mesh(domain, 0.5, iterations=n).quality().mean() for n in (0, 3, 12)]
+    means = [generate_mesh(domain, 0.5, method="truss", iterations=n).quality().mean() for n in (0, 3, 12)]
     assert means[1] > means[0] - 0.005
     assert means[2] > means[1] - 0.01
+
+
+@pytest.mark.parametrize("method", ["advancing", "truss", "charges"])
+def test_every_method_makes_a_good_mesh(method, make_plexus, check_mesh):
+    domain = make_plexus(9, 6, 6, 2, 0.4)
+    mesh = generate_mesh(domain, 0.3, 0.18, across=2, method=method)
+    check_mesh(mesh, domain)
+    assert mesh.quality().mean() > 0.95
+    assert mesh.quality().min() > 0.5
+    again = generate_mesh(domain, 0.3, 0.18, across=2, method=method)
+    assert np.array_equal(mesh.points, again.points)
+
+
+def test_methods_are_refused_by_name_and_by_cost(make_disk):
+    domain = Domain.rectangle(8, 8, [make_disk(3, 3)])
+    with pytest.raises(InputError, match="method must be one of advancing, truss, charges, not 'magic'"):
+        generate_mesh(domain, 0.5, method="magic")
+    with pytest.raises(InputError, match=r"charges repel each other in .* pairs a step, more than 20000 charges"):
+        generate_mesh(domain, 0.03, method="charges")
 
 
 def test_edge_length_sets_the_number_of_triangles():
@@ -212,7 +236,8 @@ def test_edge_length_sets_the_number_of_triangles():
         ({"edge_length": 0.5, "wall_edge_length": 0.0}, "wall_edge_length must be a positive length"),
         ({"edge_length": 0.5, "across": -1}, "across must lie between"),
         ({"edge_length": 0.5, "grading": 0.0}, "grading must lie between"),
-        ({"edge_length": 0.5, "iterations": -1}, "iterations must lie between"),
+        ({"edge_length": 0.5, "iterations": -1}, "iterations must be a whole number from 0 to 1000, not -1"),
+        ({"edge_length": 50.0}, r"edge_length 50 is longer than the whole domain \(11.3137 corner to corner\)"),
         ({"edge_length": 0.5, "max_triangles": 0}, "max_triangles must be at least 1"),
         ({"edge_length": 1e-4}, r"about 1.33e\+10 triangles, more than the limit of 5000000, with edge_length 0.0001"),
         ({"edge_length": 0.5, "wall_edge_length": 1e-7}, "triangles, more than the limit of 5000000"),
@@ -231,11 +256,11 @@ def test_refused_passages_are_named(make_disk):
     domain = Domain.rectangle(10, 10, plates)
     with pytest.raises(InputError, match=r"where pillar 0 and pillar 1 are 0.0001 apart"):
         generate_mesh(domain, 0.5, across=20)
-    near = Domain.rectangle(10, 10, [make_disk(3, 5, k=36), make_disk(5 + 1e-7, 5, k=36)])
-    with pytest.raises(InputError, match=r"pillar 0 and pillar 1 are 1e-07 apart, less than 1e-05: merge or part them"):
+    near = Domain.rectangle(10, 10, [make_disk(3, 5, k=36), make_disk(5 + 2e-9, 5, k=36)])
+    with pytest.raises(InputError, match=r"pillar 0 and pillar 1 are 2e-09 apart, less than 1e-08: merge or part them"):
         generate_mesh(near, 0.5)
-    edge = Domain.rectangle(10, 10, [[(1e-6, 4), (2, 4), (2, 6)]])
-    with pytest.raises(InputError, match=r"pillar 0 and the outer outline are 1e-06 apart"):
+    edge = Domain.rectangle(10, 10, [[(1e-9, 4), (2, 4), (2, 6)]])
+    with pytest.raises(InputError, match=r"pillar 0 and the outer outline are 1e-09 apart"):
         generate_mesh(edge, 0.5)
 
 

@@ -47,7 +47,8 @@ def test_plexus_with_coarse_springs(make_plexus):
         mesh = matrix_springs(domain, 0.45)
         check(domain, mesh)
         lengths = np.hypot(*(mesh.points[mesh.springs[:, 1]] - mesh.points[mesh.springs[:, 0]]).T)
-        assert lengths.max() < 2 * 0.45
+        # no place is farther than 1.25 spacings from a node, so no empty circle is wider than twice that
+        assert lengths.max() < 2.5 * 0.45
 
 
 def test_no_spring_runs_through_a_pillar(make_plexus):
@@ -106,6 +107,6 @@ def test_refused_spacing(spacing, words):
 
 
 def test_refused_passage(make_disk):
-    domain = Domain.rectangle(10, 10, [make_disk(3, 5, k=36), make_disk(5 + 1e-7, 5, k=36)])
-    with pytest.raises(InputError, match="pillar 0 and pillar 1 are 1e-07 apart"):
+    domain = Domain.rectangle(10, 10, [make_disk(3, 5, k=36), make_disk(5 + 2e-9, 5, k=36)])
+    with pytest.raises(InputError, match="pillar 0 and pillar 1 are 2e-09 apart"):
         matrix_springs(domain, 0.45)

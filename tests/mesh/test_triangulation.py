@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from vasculo.errors import InputError
+from vasculo.mesh.adjacency import adjacency, adjacency_plain
 from vasculo.mesh.quality import edge_lengths, smallest_angles, triangle_quality
-from vasculo.mesh.triangulation import Triangulation, adjacency
+from vasculo.mesh.triangulation import Triangulation
 
 POINTS = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 TRIANGLES = [(0, 1, 2), (0, 2, 3)]
@@ -98,3 +99,77 @@ def test_unknown_side():
 def test_adjacency_of_three_on_an_edge_refused():
     with pytest.raises(InputError, match="is used twice"):
         adjacency(np.array([(0, 1, 2), (1, 0, 3), (0, 1, 4)], dtype=np.int32), 5)
+
+
+def test_adjacency_and_twin_agree(make_stars):
+    from vasculo.mesh.generate import generate_mesh
+
+    mesh = generate_mesh(make_stars(3, 8), 0.8)
+    assert np.array_equal(adjacency(mesh.triangles, len(mesh.points)), adjacency_plain(mesh.triangles))
+    assert np.array_equal(mesh.neighbours, adjacency_plain(mesh.triangles))
+
+
+def test_faces_are_every_edge_once():
+    from vasculo.geometry.domain import Domain
+    from vasculo.mesh.generate import generate_mesh
+
+    mesh = generate_mesh(Domain.rectangle(3, 2, [[(1, 1), (2, 1), (1.5, 1.5)]]), 0.4)
+    ends, triangles = mesh.faces
+    edges = np.unique(np.sort(mesh.triangles[:, [(0, 1), (1, 2), (2, 0)]].reshape(-1, 2), axis=1), axis=0)
+    assert np.array_equal(np.unique(np.sort(ends, axis=1), axis=0), edges)
+    assert len(ends) == len(edges)
+    rim = len(mesh.boundary_edges)
+    assert np.array_equal(ends[-rim:], mesh.boundary_edges)
+    assert np.array_equal(triangles[-rim:, 0], mesh.boundary_triangles)
+    assert (triangles[-rim:, 1] == -1).all()
+    way = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        inner = slice(None) if side == 0 else slice(0, -rim)
+        away = mesh.centroids[triangles[inner, side]] - mesh.points[ends[inner, 0]]
+        assert (sign * (way[inner, 0] * away[:, 1] - way[inner, 1] * away[:, 0]) > 0).all()
+        assert (np.isin(ends[inner], mesh.triangles[triangles[inner, side]])).all()
+    assert mesh.faces is mesh.faces
+
+
+def test_check_counts():
+    found = square().check()
+    assert found[:4] == (4, 2, 5, 1)
+    assert found.area == pytest.approx(1.0)
+    assert found.least_area == pytest.approx(0.5)
+    ring = [(1, 0), (0, 1), (-1, 0), (0, -1)]
+    points = np.array([*(np.array(ring) * 2), *ring], dtype=float)
+    triangles = [t for i in range(4) for t in ((i, (i + 1) % 4, 4 + i), (4 + i, (i + 1) % 4, 4 + (i + 1) % 4))]
+    edges = [(i, (i + 1) % 4) for i in range(4)] + [(4 + (i + 1) % 4, 4 + i) for i in range(4)]
+    annulus = Triangulation(points, triangles, edges, [-1] * 4 + [0] * 4, ("rim",))
+    assert annulus.check()[:4] == (8, 8, 16, 2)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"neighbours": [(-1, 1, -1), (-1, -1, -1)]}, "triangles 0 and 1 are given as neighbours, but share no edge"),
+        ({"neighbours": [(-1, 1, -1), (-1, 0, -1)]}, "triangles 0 and 1 are given as neighbours"),
+        ({"neighbours": [(-1, 5, -1), (-1, -1, 0)]}, "triangles 0 and 5 are given as neighbours"),
+        ({"neighbours": [(-1, 1), (-1, 0)]}, r"neighbours have shape \(2, 2\)"),
+        ({"boundary_edges": [(0, 1), (1, 2), (2, 3), (3, 9)]}, "boundary edges must name nodes 0 to 3"),
+    ],
+)
+def test_given_neighbours_and_edges_are_checked(change, words):
+    assert np.array_equal(square(neighbours=[(-1, 1, -1), (-1, -1, 0)]).neighbours, square().neighbours)
+    with pytest.raises(InputError, match=words):
+        square(**change)
+
+
+def test_check_finds_what_the_arrays_became():
+    mesh = square(points=POINTS.copy())
+    mesh.points[2] = (0.3, -0.1)
+    with pytest.raises(InputError, match="triangle 0 is not counter-clockwise"):
+        mesh.check()
+    lost = Triangulation(np.concatenate((POINTS, [(9.0, 9.0)])), TRIANGLES, EDGES, TAGS, ("a", "b"))
+    with pytest.raises(InputError, match="1 of 5 nodes belong to no triangle"):
+        lost.check()
+    # two triangles that meet in one node only: the boundary passes through it twice
+    points = np.array([(0.0, 0.0), (1, 0), (0, 1), (-1, 0), (0, -1)])
+    edges = [(0, 1), (1, 2), (2, 0), (0, 3), (3, 4), (4, 0)]
+    with pytest.raises(InputError, match="2 boundary edges leave node 0 and 2 reach it"):
+        Triangulation(points, [(0, 1, 2), (0, 3, 4)], edges, [-1] * 6, ("a",)).check()

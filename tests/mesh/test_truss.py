@@ -4,23 +4,35 @@ import numpy as np
 import pytest
 
 from vasculo.geometry.domain import Domain
+from vasculo.mesh.adjacency import adjacency
+from vasculo.mesh.charges import STRENGTH, relax_charges, repel, repel_plain
 from vasculo.mesh.draft import Draft
 from vasculo.mesh.flips import retriangulate
 from vasculo.mesh.generate import first_draft
-from vasculo.mesh.improve import smooth, smooth_draft, star_energy, stars
+from vasculo.mesh.improve import BLOCK, STILL, smooth, smooth_draft, star_energy, stars
 from vasculo.mesh.improve_plain import smooth_plain
 from vasculo.mesh.quality import edge_lengths, signed_areas, triangle_quality
 from vasculo.mesh.size import size_field
 from vasculo.mesh.snap import snap_to_walls
-from vasculo.mesh.triangulation import adjacency
-from vasculo.mesh.truss import DAMPING, PRESSURE, TIME_STEP, relax, relax_plain, relax_truss, unique_edges
+from vasculo.mesh.truss import (
+    DAMPING,
+    PRESSURE,
+    TIME_STEP,
+    relax_truss,
+    spring_forces,
+    spring_forces_plain,
+    step_masses,
+    step_masses_plain,
+    unique_edges,
+)
 from vasculo.mesh.walls import walls_of
+from vasculo.springs.threads import get_threads, set_threads
 
 
 @pytest.fixture
 def draft(make_plexus):
     walls = walls_of(make_plexus(8, 6, 6, 1, 0.5))
-    return first_draft(walls, size_field(walls, 0.6, 0.3, 2, 0.25), 10**6)
+    return first_draft(walls, size_field(walls, 0.6, 0.3, 2, 0.25), 1000, 10**6)
 
 
 def hexagon(shift=(0.0, 0.0)):
@@ -40,34 +52,63 @@ def test_unique_edges(draft):
     assert len(edges) == len(expected)
 
 
+@pytest.mark.parametrize("push_only", [True, False])
 @pytest.mark.parametrize("least", [0.0, 0.7])
-def test_kernel_and_twin_agree(draft, least):
+def test_kernels_and_twins_agree(draft, least, push_only):
     rng = np.random.default_rng(0)
     draft.points[~draft.fixed] += 0.02 * rng.normal(size=(np.count_nonzero(~draft.fixed), 2))
     retriangulate(draft)
     springs = unique_edges(draft.triangles, draft.neighbours)
     floor = least * 2 * signed_areas(draft.points, draft.triangles)
     one, other = draft.points.copy(), draft.points.copy()
-    speed, pace = np.zeros_like(one), np.zeros_like(one)
-    numbers = (6, PRESSURE, TIME_STEP, DAMPING)
-    relax(
-        one,
-        speed,
-        np.empty_like(one),
-        np.empty_like(one),
-        springs,
-        draft.triangles,
-        draft.sizes,
-        draft.fixed,
-        floor,
-        *numbers,
-    )
-    relax_plain(other, pace, springs, draft.triangles, draft.sizes, draft.fixed, floor, *numbers)
+    speed, pace, old = np.zeros_like(one), np.zeros_like(one), np.empty_like(one)
+    rest = (floor, TIME_STEP, DAMPING)
+    for _ in range(6):
+        force, pull = np.zeros_like(one), np.zeros_like(one)
+        spring_forces(one, springs, draft.sizes, PRESSURE, force, push_only=push_only)
+        spring_forces_plain(other, springs, draft.sizes, PRESSURE, pull, push_only=push_only)
+        assert np.abs(force - pull).max() < 1e-12
+        step_masses(one, speed, force, old, draft.triangles, draft.fixed, *rest)
+        step_masses_plain(other, pace, pull, draft.triangles, draft.fixed, *rest)
     assert np.abs(one - other).max() < 1e-12
     assert np.abs(speed - pace).max() < 1e-12
     assert np.array_equal(one[draft.fixed], draft.points[draft.fixed])
     assert np.abs(one - draft.points)[~draft.fixed].max() > 1e-3
     assert np.all(2 * signed_areas(one, draft.triangles) >= floor)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_repulsion_and_twin_agree(draft, threads):
+    charges = np.sqrt(STRENGTH) * draft.sizes**1.5
+    force, plain = np.zeros_like(draft.points), np.zeros_like(draft.points)
+    for rank in range(threads):
+        repel(rank, threads, draft.points, charges, draft.fixed, force)
+    repel_plain(draft.points, charges, draft.fixed, plain)
+    assert np.abs(force - plain).max() < 1e-12 * np.abs(plain).max()
+    assert np.abs(force[draft.fixed]).max() == 0.0
+
+
+def test_two_charges_repel_by_coulombs_law():
+    points, charges = np.array([(0.0, 0.0), (3.0, 4.0)]), np.array([2.0, 5.0])
+    force = np.zeros((2, 2))
+    repel(0, 1, points, charges, np.zeros(2, dtype=bool), force)
+    assert force == pytest.approx(np.array([(-0.6, -0.8), (0.6, 0.8)]) * 10.0 / 25.0)
+
+
+def test_charges_find_the_middle_and_keep_the_triangles_positive(draft):
+    star = hexagon((0.2, -0.1))
+    for _ in range(8):
+        relax_charges(star)
+    assert np.abs(star.points[6]).max() < 1e-3
+    rng = np.random.default_rng(2)
+    draft.points[~draft.fixed] += 0.02 * rng.normal(size=(np.count_nonzero(~draft.fixed), 2))
+    retriangulate(draft)
+    before = triangle_quality(draft.points, draft.triangles).mean()
+    for _ in range(3):
+        relax_charges(draft)
+        retriangulate(draft)
+    assert triangle_quality(draft.points, draft.triangles).mean() > before + 0.01
+    assert signed_areas(draft.points, draft.triangles).min() > 0
 
 
 def test_springs_push_a_node_back_to_the_middle():
@@ -175,11 +216,37 @@ def test_smoothing_finds_the_regular_star_and_raises_quality(draft):
     star = hexagon((0.3, 0.2))
     for _ in range(8):
         smooth_draft(star)
-    assert np.abs(star.points[6]).max() < 1e-9
+    assert np.abs(star.points[6]).max() < np.sqrt(STILL)
     before = triangle_quality(draft.points, draft.triangles)
     smooth_draft(draft)
     after = triangle_quality(draft.points, draft.triangles)
     assert after.mean() > before.mean()
+
+
+def test_smoothing_is_the_same_on_any_number_of_threads(make_plexus):
+    walls = walls_of(make_plexus(16, 9, 9, 1, 0.5))
+    one = first_draft(walls, size_field(walls, 0.05, 0.05, 0, 0.25), 40_000, 10**6)
+    assert len(one.points) > 4 * BLOCK
+    first, star = stars(one.triangles, len(one.points))
+    alone, together = one.points.copy(), one.points.copy()
+    threads = get_threads()
+    try:
+        set_threads(1)
+        smooth(alone, one.triangles, first, star, one.fixed, 2)
+        set_threads(3)
+        smooth(together, one.triangles, first, star, one.fixed, 2)
+    finally:
+        set_threads(threads)
+    assert np.array_equal(alone, together)
+    assert triangle_quality(alone, one.triangles).mean() > triangle_quality(one.points, one.triangles).mean() + 0.005
+    assert signed_areas(alone, one.triangles).min() > 0
+
+
+def test_stars_hold_every_corner_once(draft):
+    first, star = stars(draft.triangles, len(draft.points))
+    assert np.array_equal(np.sort(star), np.arange(draft.triangles.size))
+    owner = np.repeat(np.arange(len(draft.points)), np.diff(first))
+    assert np.array_equal(draft.triangles.ravel()[star], owner)
 
 
 def test_star_energy_counts_from_one():
@@ -191,7 +258,7 @@ def test_star_energy_counts_from_one():
 
 def test_domain_of_one_triangle_needs_no_inner_node():
     walls = walls_of(Domain([(0, 0), (1, 0), (0, 1)], [], list("abc")))
-    draft = first_draft(walls, size_field(walls, 5.0, 5.0, 0, 0.25), 100)
+    draft = first_draft(walls, size_field(walls, 5.0, 5.0, 0, 0.25), 1, 100)
     assert len(draft.triangles) == 1
     relax_truss(draft)
     snap_to_walls(draft)

@@ -108,13 +108,10 @@ def build_faces(mesh: Triangulation, conditions: Mapping[str, Condition]) -> Fac
     """
     named = conditions_by_name(mesh, conditions)
     pairs = periodic_pairs(conditions)
-    edges, cell_of_edge = mesh.boundary_edges, _cells_of_edges(mesh)
+    edges, cell_of_edge = mesh.boundary_edges, mesh.boundary_triangles
     glued, glue, shifts = matched_edges(mesh, pairs)
 
-    rows, corners = np.nonzero(mesh.neighbours > np.arange(len(mesh.triangles))[:, None])
-    tri = mesh.triangles
-    inner_ends = np.column_stack([tri[rows, (corners + 1) % 3], tri[rows, (corners + 2) % 3]])
-    inner_cells = np.column_stack([rows, mesh.neighbours[rows, corners]])
+    inner_ends, inner_cells = (part[: -len(edges)] for part in mesh.faces)
     seam_cells = np.column_stack([cell_of_edge[glued[:, 0]], cell_of_edge[glued[:, 1]]])
     free = np.setdiff1d(np.arange(len(edges)), glued.ravel())
     rim_cells = np.column_stack([cell_of_edge[free], np.full(len(free), -1)])
@@ -139,7 +136,7 @@ def build_faces(mesh: Triangulation, conditions: Mapping[str, Condition]) -> Fac
     level = 0.5 * float(opening[is_open].min() + opening[is_open].max()) if is_open.any() else 0.0
     opening[is_open] -= level
     same = _representatives(len(mesh.points), glue)
-    corner_start, corner_list = _by_vertex(same[tri].ravel(), len(same))
+    corner_start, corner_list = _by_vertex(same[mesh.triangles].ravel(), len(same))
     rim_start, rim_list = _by_vertex(same[ends[inner:]].ravel(), len(same))
     return Faces(
         ends=ends,
@@ -186,16 +183,6 @@ def _values(
             first, last = mesh.points[ends[inner + rim, 0]], mesh.points[ends[inner + rim, 1]]
             profile[rim] = condition.at(np.stack([first, 0.5 * (first + last), last], axis=1), name)
     return kind, profile, opening, is_wall
-
-
-def _cells_of_edges(mesh: Triangulation) -> NDArray[np.int64]:
-    """Triangle of each boundary edge."""
-    rows, corners = np.nonzero(mesh.neighbours < 0)
-    size = len(mesh.points)
-    key = mesh.triangles[rows, (corners + 1) % 3].astype(np.int64) * size + mesh.triangles[rows, (corners + 2) % 3]
-    order = np.argsort(key)
-    wanted = mesh.boundary_edges[:, 0].astype(np.int64) * size + mesh.boundary_edges[:, 1]
-    return rows[order[np.searchsorted(key[order], wanted)]]
 
 
 def _representatives(nodes: int, glue: NDArray[np.int64]) -> NDArray[np.int32]:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vasculo.mesh.improve import STILL
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -38,6 +40,8 @@ def smooth_plain(points: NDArray[np.float64], triangles: NDArray[np.int32], fixe
         else:
             step = -gradient / np.abs(hessian[np.triu_indices(2)]).sum()
         energy = (f**2).sum()
+        if (step**2).sum() < STILL * (f * d).sum() / len(f):
+            continue
         for _ in range(5):
             new, area = _ratio(a, b, points[i] + step)
             if area.min() > 0.0 and (new**2).sum() < energy:

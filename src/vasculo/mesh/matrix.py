@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vasculo.errors import InputError
-from vasculo.geometry.boxtree import box_tree
+from vasculo.geometry.curve import curve_order
 from vasculo.mesh.delaunay import fluid_triangles
 from vasculo.mesh.draft import Draft
 from vasculo.mesh.flips import retriangulate
@@ -15,7 +15,7 @@ from vasculo.mesh.generate import check_count, check_narrowest
 from vasculo.mesh.improve import smooth_draft
 from vasculo.mesh.passages import passages_of
 from vasculo.mesh.placement import interior_nodes
-from vasculo.mesh.size import SizeField
+from vasculo.mesh.size import level_field
 from vasculo.mesh.subdivide import wall_nodes
 from vasculo.mesh.truss import relax_truss, unique_edges
 from vasculo.mesh.walls import walls_of
@@ -80,19 +80,19 @@ def matrix_springs(domain: Domain, spacing: float) -> MatrixMesh:
     check_count(domain.area / spacing**2 / 0.433, LARGEST, f"spacing {spacing:g}")
     walls = walls_of(domain)
     # Strategy: a size field that is the spacing everywhere, so only the outer outline and the open space are divided.
-    level = box_tree(walls.segments[-1:], np.array([float(spacing)]))
     passages = passages_of(walls, 0.1 * spacing)
     check_narrowest(domain, passages)
-    field = SizeField(level, 1.0, float(spacing), np.full(len(walls.edges), float(spacing)), passages, passages.gap)
+    field = level_field(walls, float(spacing), passages)
     points, edges, segment = wall_nodes(walls, field, whole=walls.tags >= 0)
-    inner = interior_nodes(walls, field, points, edges, LARGEST)
-    if inner is None:
+    expected = domain.area / spacing**2 / 0.866
+    placed = interior_nodes(field, points, np.full(len(points), float(spacing)), edges, expected, LARGEST)
+    if placed is None:
         raise InputError(f"the matrix would need more than {LARGEST} nodes: use a wider spacing")
+    inner = placed[0][curve_order(placed[0])] if len(placed[0]) else placed[0]
     fixed = np.arange(len(points) + len(inner)) < len(points)
     points = np.concatenate((points, inner))
     triangles, neighbours = fluid_triangles(points, edges)
     draft = Draft(points, np.full(len(points), float(spacing)), fixed, triangles, neighbours, edges, segment)
-    retriangulate(draft)
     relax_truss(draft)
     retriangulate(draft)
     smooth_draft(draft)

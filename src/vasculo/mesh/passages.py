@@ -9,11 +9,13 @@ import numpy as np
 from numba import njit
 
 from vasculo.geometry.boxtree import LEAF, STACK, box_tree, distance_to, reach
+from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.geometry.arrays import Floats, Ints, Longs
+    from vasculo.geometry.boxtree import BoxTree
     from vasculo.mesh.walls import Walls
 
 FACING = 0.5
@@ -25,8 +27,17 @@ DETOUR = 2.5
 TOUCHING = 1e-9
 """Segments that meet are this close along the outline, in outline lengths; they do not face each other."""
 
-PIECES = 64
-"""Most samples on one wall segment."""
+EVEN = 0.5
+"""A piece of wall reaches this many of its least possible gaps from the place that it is looked at from."""
+
+HALVINGS = 40
+"""How often a piece may be halved."""
+
+MOST_PIECES = 1_000_000
+"""Most pieces that are looked at together: so many narrow ones would make a mesh that is refused anyway."""
+
+FEWEST = 1000
+"""Fewest samples of one thread."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,52 +84,75 @@ def passages_of(walls: Walls, widest: float) -> Passages:
     Passages
         Samples where something lies in front within `widest`.
     """
+    # Strategy: pieces of wall, each looked at from one place on it. Gaps change along a wall no faster than the place,
+    # so a piece that reaches far from its place, compared with the gap there, is halved; one that no gap below `widest`
+    # can lie on is dropped. The first piece of a segment is looked at from its node, where outlines come nearest.
     tree = box_tree(walls.segments)
-    order = tree.order
-    facts = np.column_stack((walls.arc, walls.lengths, walls.around))[order]
-    bodies = np.ascontiguousarray(walls.body[order])
-    # Strategy: sample ends and middles; then sample each segment again at half of the gap found on it.
-    pieces = np.full(len(walls.edges), 2)
-    for _ in range(2):
-        segment = np.repeat(np.arange(len(pieces)), pieces)
-        first = np.cumsum(pieces) - pieces
-        place = (np.arange(len(segment)) - first[segment]) / pieces[segment]
-        gap = np.full(len(segment), float(widest))
-        hit = np.full(len(segment), -1, dtype=np.int64)
-        along = np.zeros(len(segment))
-        nearest_facing(
-            tree.segments, bodies, facts, tree.boxes, tree.lowest, np.empty(STACK, dtype=np.int64),
-            walls.segments[segment], place, walls.body[segment], walls.arc[segment], gap, hit, along,
-        )  # fmt: skip
-        narrowest = np.minimum.reduceat(gap, first)
-        used, pieces = pieces, np.clip(np.ceil(2.0 * walls.lengths / narrowest), 2, PIECES).astype(np.int64)
-    share = (walls.lengths / used)[segment]
-    near = np.flatnonzero(hit >= 0)
-    segment, place, hit, along = segment[near], place[near], hit[near], along[near]
-    start, step = walls.segments[segment, :2], np.diff(walls.segments.reshape(-1, 2, 2), axis=1)[segment, 0]
-    half = 0.5 / used[segment]
-    low, high = np.maximum(place - half, 0.0), np.where(place + 2.5 * half > 1.0, 1.0, place + half)
-    opposite = tree.segments[hit]
+    count = len(walls.edges)
+    segment = np.repeat(np.arange(count), 2)
+    low, high = np.tile([0.0, 0.25], count), np.tile([0.25, 1.0], count)
+    whole: list[NDArray[np.int64]] = []
+    parts: list[NDArray[np.float64]] = []
+    for depth in range(HALVINGS + 1):
+        place = np.where(low > 0.0, 0.5 * (low + high), 0.0)
+        far = (high - place) * walls.lengths[segment]
+        gap, hit, along = _measure(walls, tree, segment, place, widest + far)
+        near = (hit >= 0) & (gap - far < widest)
+        split = near & (far > EVEN * np.maximum(gap - far, 0.0)) & (depth < HALVINGS)
+        if 2 * np.count_nonzero(split) > MOST_PIECES:
+            split[:] = False
+        kept = np.flatnonzero(near & ~split & (gap < widest))
+        whole.append(np.column_stack((segment, tree.order[hit]))[kept])
+        parts.append(np.column_stack((place, low, high, gap, along))[kept])
+        if not split.any():
+            break
+        middle = 0.5 * (low + high)[split]
+        segment = np.repeat(segment[split], 2)
+        low = np.column_stack((low[split], middle)).ravel()
+        high = np.column_stack((middle, high[split])).ravel()
+    segment, opposite = np.concatenate(whole).T
+    place, low, high, gap, along = np.concatenate(parts).T
+    order = np.lexsort((place, segment))
+    segment, opposite = segment[order], opposite[order]
+    place, low, high, gap, along = (part[order] for part in (place, low, high, gap, along))
+    lines = walls.segments
+    start, step = lines[segment, :2], lines[segment, 2:] - lines[segment, :2]
+    beyond, way = lines[opposite, :2], lines[opposite, 2:] - lines[opposite, :2]
     return Passages(
         points=start + place[:, None] * step,
-        across=opposite[:, :2] + along[:, None] * (opposite[:, 2:] - opposite[:, :2]),
+        across=beyond + along[:, None] * way,
         pieces=np.hstack((start + low[:, None] * step, start + high[:, None] * step)),
-        gap=gap[near],
-        share=share[near],
+        gap=gap,
+        share=(high - low) * walls.lengths[segment],
         segment=segment,
         body=walls.body[segment],
-        other=bodies[hit],
+        other=walls.body[opposite],
     )
 
 
-@njit(cache=True, error_model="numpy")
+def _measure(
+    walls: Walls, tree: BoxTree, segment: NDArray[np.int64], place: NDArray[np.float64], widest: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    """Gap in front of each sample, the segment of the tree found there (-1: none within `widest`), and where on it."""
+    gap, hit, along = widest.copy(), np.full(len(segment), -1), np.zeros(len(segment))
+    facts = np.column_stack((walls.arc, walls.lengths, walls.around))[tree.order]
+    bodies = np.ascontiguousarray(walls.body[tree.order])
+    run_team(
+        nearest_facing, len(segment) // FEWEST + 1, tree.segments, bodies, facts, tree.boxes, tree.lowest,
+        walls.segments[segment], place, walls.body[segment], walls.arc[segment], gap, hit, along,
+    )  # fmt: skip
+    return gap, hit, along
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
 def nearest_facing(
+    rank: int,
+    threads: int,
     segments: Floats,
     bodies: Ints,
     facts: Floats,
     boxes: Floats,
     lowest: Floats,
-    stack: Longs,
     own: Floats,
     place: Floats,
     body: Ints,
@@ -126,15 +160,16 @@ def nearest_facing(
     gap: Floats,
     hit: Longs,
     along: Floats,
-) -> None:
-    """Distance to the nearest other outline, or facing part of the same one, in front of each wall sample.
+) -> int:
+    """Distance to the nearest other outline, or facing part of the same one, in front of this thread's wall samples.
 
     `facts` holds arc, length and outline length of the tree's segments; `own` the sample's segment, `place` where on it
     the sample lies (0 to 1). Overwrites `gap` (given: the largest distance looked for), `hit` (the segment found;
-    given: -1), `along` (the place on it) and the buffer `stack`.
+    given: -1) and `along` (the place on it).
     """
+    stack = np.empty(STACK, dtype=np.int64)
     leaves = len(lowest) // 2
-    for i in range(len(place)):
+    for i in range(rank * len(place) // threads, (rank + 1) * len(place) // threads):
         dx = own[i, 2] - own[i, 0]
         dy = own[i, 3] - own[i, 1]
         length = np.sqrt(dx * dx + dy * dy)
@@ -166,17 +201,19 @@ def nearest_facing(
                     ey = segments[k, 3] - segments[k, 1]
                     wx = segments[k, 0] + t * ex - x
                     wy = segments[k, 1] + t * ey - y
+                    if (
+                        dx * wy - dy * wx < FACING * distance * length
+                        or ey * wx - ex * wy < FACING * distance * facts[k, 1]
+                    ):
+                        continue
                     away = abs(facts[k, 0] + t * facts[k, 1] - here)
                     away = min(away, facts[k, 2] - away)
                     before = abs(facts[k, 0] + facts[k, 1] - arc[i])
                     after = abs(arc[i] + length - facts[k, 0])
                     touch = min(before, abs(before - facts[k, 2]), after, abs(after - facts[k, 2]))
-                    if (
-                        min(away - DETOUR * distance, touch) <= TOUCHING * facts[k, 2]
-                        or dx * wy - dy * wx < FACING * distance * length
-                        or ey * wx - ex * wy < FACING * distance * facts[k, 1]
-                    ):
+                    if min(away - DETOUR * distance, touch) <= TOUCHING * facts[k, 2]:
                         continue
                 gap[i] = distance
                 hit[i] = k
                 along[i] = t
+    return 0

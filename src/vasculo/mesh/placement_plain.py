@@ -6,24 +6,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vasculo.mesh.placement import CLEAR, OFF_WALL
+from vasculo.mesh.nearby import CLEAR
+from vasculo.mesh.placement import HEIGHT, OFF_WALL
 from vasculo.mesh.size import sizes_at_plain
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.mesh.size import SizeField
-    from vasculo.mesh.walls import Walls
 
 
 def interior_nodes_plain(
-    walls: Walls, field: SizeField, points: NDArray[np.float64], edges: NDArray[np.int32]
-) -> NDArray[np.float64]:
-    """Interior nodes, in the order of `interior_nodes`.
+    field: SizeField, points: NDArray[np.float64], edges: NDArray[np.int32]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Interior nodes and their sizes, in the order of `interior_nodes`.
 
     Parameters
     ----------
-    walls : Walls
     field : SizeField
     points : (n, 2) float64, model length
         Wall nodes.
@@ -32,35 +31,44 @@ def interior_nodes_plain(
 
     Returns
     -------
-    (k, 2) float64, model length
+    places : (k, 2) float64, model length
+    wanted : (k,) float64, model length
     """
-    height = np.sqrt(3.0) / 2.0
     step = points[edges[:, 1]] - points[edges[:, 0]]
     middle = 0.5 * (points[edges[:, 0]] + points[edges[:, 1]])
     nodes = list(points)
-    queue: list[tuple[NDArray[np.float64], float, float]] = []
+    queue: list[tuple[NDArray[np.float64], float, float, bool]] = []
 
-    def offer(start: NDArray[np.float64], reach: float, angle: float, wall_size: float | None) -> None:
-        heading = np.array([np.cos(angle), np.sin(angle)])
-        place = start + reach * heading
-        size = _size(field, place)
-        if wall_size is None:
-            if _nearest(nodes, place) < CLEAR * (1.0 - field.slope) * reach:
-                return
-            place = start + 0.5 * (reach + size) * heading
-        else:
-            size = min(size, wall_size)
-        if _nearest(nodes, place) >= CLEAR * size and _off_wall(walls, place, size):
-            nodes.append(place)
-            queue.append((place, size, angle))
+    def is_free(place: NDArray[np.float64], size: float) -> bool:
+        away = np.array(nodes) - place
+        if np.hypot(away[:, 0], away[:, 1]).min() < CLEAR * size:
+            return False
+        along = np.clip(((place - points[edges[:, 0]]) * step).sum(axis=1) / (step**2).sum(axis=1), 0.0, 1.0)
+        way = place - points[edges[:, 0]] - along[:, None] * step
+        return bool(np.hypot(way[:, 0], way[:, 1]).min() >= OFF_WALL * size)
 
-    for place, way in zip(middle, step, strict=True):
+    for row, (place, way) in enumerate(zip(middle, step, strict=True)):
         size = _size(field, place)
-        offer(place, height * size, float(np.arctan2(way[0], -way[1])), size)
-    for place, size, angle in queue:
+        normal = np.array([-way[1], way[0]]) / np.hypot(*way)
+        there = place + HEIGHT * size * normal
+        wanted = min(size, _size(field, there))
+        if is_free(there, wanted) and not _blocked(points[edges], row, place, there):
+            nodes.append(there)
+            queue.append((there, wanted, float(np.arctan2(normal[1], normal[0])) + np.pi / 6.0, True))
+    for place, size, angle, is_seed in queue:
         for turn in range(6):
-            offer(place, size, angle + turn * np.pi / 3.0, None)
-    return np.array(nodes[len(points) :]).reshape(-1, 2)
+            if turn == 3 and not is_seed:
+                continue
+            heading = angle + turn * np.pi / 3.0
+            unit = np.array([np.cos(heading), np.sin(heading)])
+            if not is_free(place + size * unit, (1.0 - field.slope) * size):
+                continue
+            wanted = _size(field, place + size * unit)
+            there = place + 0.5 * (size + wanted) * unit
+            if is_free(there, wanted):
+                nodes.append(there)
+                queue.append((there, wanted, heading, False))
+    return np.array(nodes[len(points) :]).reshape(-1, 2), np.array([size for _, size, _, _ in queue])
 
 
 def _size(field: SizeField, place: NDArray[np.float64]) -> float:
@@ -69,20 +77,15 @@ def _size(field: SizeField, place: NDArray[np.float64]) -> float:
     return float(sizes_at_plain(place[None], tree.segments, tree.weights, field.slope, field.largest)[0])
 
 
-def _nearest(nodes: list[NDArray[np.float64]], place: NDArray[np.float64]) -> float:
-    """Distance to the nearest node."""
-    away = np.array(nodes) - place
-    return float(np.hypot(away[:, 0], away[:, 1]).min())
+def _blocked(walls: NDArray[np.float64], own: int, start: NDArray[np.float64], end: NDArray[np.float64]) -> bool:
+    """Whether the way from a place to another meets a wall edge (e, 2, 2) other than `own`."""
+    others = np.delete(walls, own, axis=0)
+    way, face = np.broadcast_to(end - start, others[:, 0].shape), others[:, 1] - others[:, 0]
+    parts = _cross(way, others[:, 0] - start) * _cross(way, others[:, 1] - start)
+    ends = _cross(face, start - others[:, 0]) * _cross(face, end - others[:, 0])
+    return bool(((parts <= 0.0) & (ends <= 0.0)).any())
 
 
-def _off_wall(walls: Walls, place: NDArray[np.float64], size: float) -> bool:
-    """Whether a place lies in the fluid, far enough from all walls; walls farther than the size do not count."""
-    start, step = walls.segments[:, :2], walls.segments[:, 2:] - walls.segments[:, :2]
-    along = np.clip(((place - start) * step).sum(axis=1) / walls.lengths**2, 0.0, 1.0)
-    way = place - start - along[:, None] * step
-    distance = np.hypot(way[:, 0], way[:, 1])
-    near = np.flatnonzero(distance <= distance.min() * (1.0 + 1e-9))
-    if distance.min() >= size:
-        return True
-    unit = np.column_stack((-step[:, 1], step[:, 0])) / walls.lengths[:, None]
-    return bool(distance.min() >= OFF_WALL * size and way[near[0]] @ unit[near].sum(axis=0) > 0.0)
+def _cross(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cross products of two lists of vectors."""
+    return np.asarray(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])

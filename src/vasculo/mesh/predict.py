@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from vasculo.mesh.wishes import strip_cost
 
+if TYPE_CHECKING:
     from vasculo.mesh.size import SizeField
     from vasculo.mesh.walls import Walls
 
@@ -40,11 +40,12 @@ def predicted_triangles(walls: Walls, field: SizeField, area: float) -> tuple[fl
     passages = field.passages
     covered = np.bincount(passages.segment, weights=passages.share, minlength=len(walls.lengths))
     open_wall = np.maximum(walls.lengths - covered, 0.0)
-    total = area / field.largest**2 + float((_strip(field, field.wall_sizes) * open_wall).sum())
+    total = area / field.largest**2 + field.wish_cost
+    total += float((strip_cost(field.wall_sizes, field.largest, field.slope) * open_wall).sum())
     if not len(passages.gap):
         return total / TRIANGLE, 0.0, (-1, -1, np.inf)
     sizes = np.minimum(field.passage_sizes, field.wall_sizes[passages.segment])
-    each = passages.share * np.minimum(0.5 * passages.gap / sizes**2, _strip(field, sizes))
+    each = passages.share * np.minimum(0.5 * passages.gap / sizes**2, strip_cost(sizes, field.largest, field.slope))
     total += float(each.sum())
     bodies = int(walls.body.max()) + 1
     pair = np.minimum(passages.body, passages.other).astype(np.int64) * bodies
@@ -54,9 +55,3 @@ def predicted_triangles(walls: Walls, field: SizeField, area: float) -> tuple[fl
     most = int(np.argmax(cost))
     low, high = divmod(int(number[most]), bodies)
     return total / TRIANGLE, float(cost[most]) / TRIANGLE, (low, high, float(passages.gap[place == most].min()))
-
-
-def _strip(field: SizeField, sizes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Integral over the distance y from a wall of 1 / (size + slope y)^2 - 1 / largest^2, until the size is largest."""
-    low, high = np.minimum(sizes, field.largest), field.largest
-    return np.asarray(((1.0 / low - 1.0 / high) - (high - low) / high**2) / field.slope)

@@ -5,9 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numba import njit
+
+from vasculo.geometry.predicates import orient2d
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from vasculo.geometry.arrays import Floats, Ints
 
 
 def signed_areas(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
@@ -22,8 +27,9 @@ def signed_areas(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> N
     -------
     (t,) float64, model length squared
     """
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    return np.asarray(0.5 * ((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])))
+    areas = np.empty(len(triangles))
+    fill_areas(points, triangles, areas)
+    return areas
 
 
 def edge_lengths(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
@@ -54,3 +60,34 @@ def smallest_angles(points: NDArray[np.float64], triangles: NDArray[np.int32]) -
     """Smallest angle of each triangle; (t,) float64, degrees."""
     a, b, c = np.sort(edge_lengths(points, triangles), axis=1).T
     return np.degrees(np.arccos(np.clip((b * b + c * c - a * a) / (2.0 * b * c), -1.0, 1.0)))
+
+
+def signed_areas_plain(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Plain twin of `signed_areas`."""
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    return np.asarray(0.5 * ((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])))
+
+
+@njit(cache=True, error_model="numpy")
+def fill_areas(points: Floats, triangles: Ints, areas: Floats) -> None:
+    """Areas of the triangles, into `areas`."""
+    for t in range(len(triangles)):
+        a = triangles[t, 0]
+        b = triangles[t, 1]
+        c = triangles[t, 2]
+        areas[t] = 0.5 * (
+            (points[b, 0] - points[a, 0]) * (points[c, 1] - points[a, 1])
+            - (points[b, 1] - points[a, 1]) * (points[c, 0] - points[a, 0])
+        )
+
+
+@njit(cache=True, error_model="numpy")
+def first_turned(points: Floats, triangles: Ints) -> int:
+    """First triangle that is flat or clockwise by exact arithmetic, or -1."""
+    for t in range(len(triangles)):
+        a = triangles[t, 0]
+        b = triangles[t, 1]
+        c = triangles[t, 2]
+        if orient2d(points[a, 0], points[a, 1], points[b, 0], points[b, 1], points[c, 0], points[c, 1]) <= 0.0:
+            return t
+    return -1

@@ -1,4 +1,4 @@
-"""Target edge length: uniform, by wall distance and by gap width, with a bounded gradient."""
+"""Target edge length: uniform, by wall distance, curvature, gap width or a function, with a bounded gradient."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ from numba import njit
 
 from vasculo.geometry.boxtree import STACK, BoxTree, box_tree, distance_to, least
 from vasculo.mesh.passages import passages_of
+from vasculo.mesh.wishes import curvature_wishes, function_wishes
+from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
-    from vasculo.geometry.arrays import Floats, Longs
+    from vasculo.geometry.arrays import Floats
     from vasculo.mesh.passages import Passages
     from vasculo.mesh.walls import Walls
 
@@ -24,6 +28,12 @@ LAYER = 2.0 / np.sqrt(3.0)
 BASE_LAYERS = 1.25
 """Layers that fit across every gap even when none are asked for: wall edges stay below 0.92 of the gap."""
 
+FEWEST = 2000
+"""Fewest places of one thread."""
+
+LEVEL_SLOPE = 0.25
+"""Gradient that is never used in a field of one length."""
+
 
 @dataclass(frozen=True, eq=False)
 class SizeField:
@@ -32,7 +42,7 @@ class SizeField:
     Parameters
     ----------
     sources : BoxTree
-        Wall segments and lines in the passages, with their sizes as weights (model length).
+        Wall segments, lines in the passages and places with wishes of their own, with their sizes as weights.
     slope : float, dimensionless
         Largest gradient of h.
     largest : float, model length
@@ -42,7 +52,13 @@ class SizeField:
     passages : Passages
         The passages found.
     passage_sizes : (s,) float64, model length
-        Size in each of them.
+        Size in each passage sample.
+    beside : (k, 4) float64, model length
+        Sources that are no walls: lines in the passages, nodes of curved walls, cells of a size function.
+    beside_sizes : (k,) float64, model length
+        Size at each of them.
+    wish_cost : float
+        Integral of 1 / h^2 - 1 / largest^2 that curvature and the size function ask for, about.
     """
 
     sources: BoxTree
@@ -51,18 +67,33 @@ class SizeField:
     wall_sizes: NDArray[np.float64]
     passages: Passages
     passage_sizes: NDArray[np.float64]
+    beside: NDArray[np.float64]
+    beside_sizes: NDArray[np.float64]
+    wish_cost: float
 
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Wanted edge length at points (n, 2); (n,) float64, model length."""
         tree = self.sources
         places = np.ascontiguousarray(points, dtype=np.float64)
         sizes = np.empty(len(places))
-        stack = np.empty(STACK, dtype=np.int64)
-        sizes_at(places, tree.segments, tree.weights, tree.boxes, tree.lowest, stack, self.slope, self.largest, sizes)
+        run_team(
+            sizes_at, len(places) // FEWEST + 1, places, tree.segments, tree.weights, tree.boxes, tree.lowest,
+            self.slope, self.largest, sizes,
+        )  # fmt: skip
         return sizes
 
 
-def size_field(walls: Walls, edge_length: float, wall_edge_length: float, across: float, grading: float) -> SizeField:
+def size_field(
+    walls: Walls,
+    edge_length: float,
+    wall_edge_length: float,
+    across: float,
+    grading: float,
+    *,
+    curvature: float = 0.0,
+    size: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None,
+    most: int = 5_000_000,
+) -> SizeField:
     """Make the size field of a domain.
 
     Parameters
@@ -76,10 +107,21 @@ def size_field(walls: Walls, edge_length: float, wall_edge_length: float, across
         Layers of triangles across each passage (`BASE_LAYERS` at least).
     grading : float, dimensionless
         Largest gradient of the edge length.
+    curvature : float, default 0
+        Edges in a full turn of a wall; 0: curvature sets no size.
+    size : callable, optional
+        (n, 2) points to (n,) edge lengths, model length.
+    most : int, default 5 000 000
+        Most places at which `size` is read.
 
     Returns
     -------
     SizeField
+
+    Raises
+    ------
+    InputError
+        What `size` gives is no length, or it needs too many places.
     """
     # Strategy: a size at each wall segment, and one at each measured passage, on the wall and half way across; between
     # them the size grows with the distance. In a passage the wall sizes alone would grow towards its middle.
@@ -88,9 +130,27 @@ def size_field(walls: Walls, edge_length: float, wall_edge_length: float, across
     at_wall = np.minimum(min(wall_edge_length, edge_length), walls.lengths)
     narrow = np.minimum(passages.gap * (LAYER / layers), edge_length)
     half_way = np.tile(0.5 * (passages.across - passages.points), 2)
-    segments = np.concatenate((walls.segments, passages.pieces, passages.pieces + half_way))
-    sources = box_tree(segments, np.concatenate((at_wall, narrow, narrow)))
-    return SizeField(sources, float(grading), float(edge_length), at_wall, passages, narrow)
+    beside, sizes, cost = [passages.pieces, passages.pieces + half_way], [narrow, narrow], 0.0
+    if curvature > 0.0:
+        wishes, wanted, more = curvature_wishes(walls, curvature, edge_length, grading)
+        beside.append(wishes)
+        sizes.append(wanted)
+        cost += more
+    if size is not None:
+        places, wanted, more = function_wishes(size, walls, edge_length, most)
+        beside.append(np.tile(places, 2))
+        sizes.append(wanted)
+        cost += more
+    lines, lengths = np.concatenate(beside), np.concatenate(sizes)
+    sources = box_tree(np.concatenate((walls.segments, lines)), np.concatenate((at_wall, lengths)))
+    return SizeField(sources, float(grading), float(edge_length), at_wall, passages, narrow, lines, lengths, cost)
+
+
+def level_field(walls: Walls, length: float, passages: Passages) -> SizeField:
+    """Make a field that asks for the same length (model length) everywhere."""
+    level = box_tree(walls.segments[-1:], np.array([length]))
+    sizes, none = np.full(len(walls.edges), length), np.empty((0, 4))
+    return SizeField(level, LEVEL_SLOPE, length, sizes, passages, passages.gap, none, none[:, 0], 0.0)
 
 
 def with_wall_edges(field: SizeField, points: NDArray[np.float64], edges: NDArray[np.int32]) -> SizeField:
@@ -107,15 +167,13 @@ def with_wall_edges(field: SizeField, points: NDArray[np.float64], edges: NDArra
     Returns
     -------
     SizeField
-        The passages as before; each wall edge asks for its own length.
+        The other sources as before; each wall edge asks for its own length.
     """
     # Strategy: whole numbers of edges fit on an outline segment, so edges come out shorter than asked for; nodes in
     # front of them that kept the longer size would make flat triangles.
     ends = np.hstack((points[edges[:, 0]], points[edges[:, 1]]))
     lengths = np.minimum(np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1]), field.largest)
-    half_way = np.tile(0.5 * (field.passages.across - field.passages.points), 2)
-    segments = np.concatenate((ends, field.passages.pieces, field.passages.pieces + half_way))
-    sources = box_tree(segments, np.concatenate((lengths, field.passage_sizes, field.passage_sizes)))
+    sources = box_tree(np.concatenate((ends, field.beside)), np.concatenate((lengths, field.beside_sizes)))
     return replace(field, sources=sources)
 
 
@@ -135,22 +193,25 @@ def sizes_at_plain(
     return np.minimum(largest, (weights + slope * np.hypot(rest[:, :, 0], rest[:, :, 1])).min(axis=1))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def sizes_at(
+    rank: int,
+    threads: int,
     points: Floats,
     segments: Floats,
     weights: Floats,
     boxes: Floats,
     lowest: Floats,
-    stack: Longs,
     slope: float,
     largest: float,
     sizes: Floats,
-) -> None:
-    """Wanted edge length at each point, into `sizes`; points that follow each other should be near each other."""
+) -> int:
+    """Wanted edge length at this thread's points, into `sizes`; neighbours in the list should be near each other."""
+    stack = np.empty(STACK, dtype=np.int64)
     item = np.int64(-1)
-    for i in range(len(points)):
+    for i in range(rank * len(points) // threads, (rank + 1) * len(points) // threads):
         bound = largest
         if item >= 0:
             bound = min(bound, weights[item] + slope * distance_to(segments, item, points[i, 0], points[i, 1])[0])
         sizes[i], item = least(segments, weights, boxes, lowest, stack, slope, points[i, 0], points[i, 1], bound, item)
+    return 0

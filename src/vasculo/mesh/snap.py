@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vasculo.mesh.adjacency import adjacency
 from vasculo.mesh.improve import stars
 from vasculo.mesh.quality import triangle_quality
-from vasculo.mesh.triangulation import adjacency
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

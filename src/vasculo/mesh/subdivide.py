@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from vasculo.geometry.boxtree import STACK, distance_to, least
+from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,6 +19,12 @@ if TYPE_CHECKING:
 
 SLACK = 0.35
 """A segment may be this much longer (in local sizes) than its pieces should be before it gets one more piece."""
+
+FINEST = 1e-15
+"""Shortest step along a segment, in its lengths: shorter ones are lost in rounding."""
+
+FEWEST = 500
+"""Fewest segments of one thread."""
 
 
 def wall_nodes(
@@ -45,17 +52,18 @@ def wall_nodes(
     segments = walls.segments
     cuttable = np.ones(len(segments), dtype=bool) if whole is None else ~whole
     pieces = np.ones(len(segments), dtype=np.int64)
-    places = np.empty(0)
     cut = np.ascontiguousarray(segments[cuttable])
-    counts, sums = np.ones(len(cut), dtype=np.int64), np.zeros(len(cut))
-    stack = np.empty(STACK, dtype=np.int64)
+    counts, first, sums = np.ones(len(cut), dtype=np.int64), np.zeros(len(cut), dtype=np.int64), np.zeros(len(cut))
+    places = np.empty(0)
     for fill in range(2):
-        cut_evenly(
-            cut, tree.segments, tree.weights, tree.boxes, tree.lowest, stack, field.slope, field.largest,
-            fill, counts, sums, places,
+        run_team(
+            cut_evenly, len(cut) // FEWEST + 1,
+            cut, tree.segments, tree.weights, tree.boxes, tree.lowest, field.slope, field.largest,
+            fill, counts, sums, first, places,
         )  # fmt: skip
         if fill == 0:
             counts = np.maximum(1, np.ceil(sums - SLACK)).astype(np.int64)
+            first = np.cumsum(counts - 1) - (counts - 1)
             places = np.empty(int((counts - 1).sum()))
     pieces[cuttable] = counts
     # Strategy: the pieces of segment s are start, new nodes of s in order, end; their edges are consecutive pairs.
@@ -76,35 +84,38 @@ def wall_nodes(
     return points, np.column_stack((start, end)), segment
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def cut_evenly(
+    rank: int,
+    threads: int,
     walls: Floats,
     segments: Floats,
     weights: Floats,
     boxes: Floats,
     lowest: Floats,
-    stack: Longs,
     slope: float,
     largest: float,
     fill: int,
     pieces: Longs,
     sums: Floats,
+    first: Longs,
     places: Floats,
-) -> None:
-    """Integrate ds / h along each wall segment into `sums`; with `fill`, put its cuts (0 to 1) into `places` instead.
+) -> int:
+    """Integrate ds / h along this thread's segments into `sums`; with `fill`, put cuts (0 to 1) into `places` instead.
 
-    The cuts divide each segment into `pieces` with equal integrals; they stand segment after segment.
+    The cuts divide each segment into `pieces` with equal integrals; those of segment s begin at first[s].
     """
     # Strategy: march along each segment in steps of half the local size, summing ds / h (trapezoid in 1 / h); when
     # filling, walk the same way again and drop a cut at each equal share of the sum.
-    done = 0
-    for s in range(len(walls)):
+    stack = np.empty(STACK, dtype=np.int64)
+    for s in range(rank * len(walls) // threads, (rank + 1) * len(walls) // threads):
         if fill == 1 and pieces[s] == 1:
             continue
         dx = walls[s, 2] - walls[s, 0]
         dy = walls[s, 3] - walls[s, 1]
         length = np.sqrt(dx * dx + dy * dy)
         share = sums[s] / pieces[s]
+        done = first[s]
         reached = 0.0
         summed = 0.0
         cut = 1
@@ -112,7 +123,8 @@ def cut_evenly(
         h, item = least(segments, weights, boxes, lowest, stack, slope, walls[s, 0], walls[s, 1], largest, item)
         while reached < length:
             step = min(0.5 * h, length - reached)
-            if length - reached - step < 1e-9 * length:
+            step = max(step, FINEST * length)
+            if length - reached - step < 1e-3 * step:
                 step = length - reached
             t = (reached + step) / length
             x = walls[s, 0] + t * dx
@@ -131,3 +143,4 @@ def cut_evenly(
             h = new
         if fill == 0:
             sums[s] = summed
+    return 0
