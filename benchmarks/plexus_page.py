@@ -11,16 +11,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from contourpy import contour_generator
+import shapely
 from matplotlib.figure import Figure
-from matplotlib.image import imread
-from scipy.ndimage import gaussian_filter
 
 from vasculo import measure
 from vasculo.draw.springs import draw_springs, whole_tissue
 from vasculo.geometry.outline import perimeter, signed_area
+from vasculo.plexus.image import ImageExtraction
+from vasculo.plexus.image_islands import find_islands, island_shapes
+from vasculo.plexus.image_levels import grey_values, level_field
+from vasculo.plexus.outlines import ring_nodes
 from vasculo.plexus.survey import survey
 from vasculo.store.read import Springs
+from vasculo.study.picture_file import read_picture
 from vasculo.tissue.lattice import lattice
 from vasculo.tissue.vasculogenesis import Vasculogenesis, grow_plexus
 
@@ -36,7 +39,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 IMAGE = ROOT / "examples" / "images" / "capillaries.png"
 PRESETS = ("fine", "medium", "coarse", "paper", "uniform")
-BLUR, LEAST = 1.0, 12.0  # pixels of smoothing of the image; smallest lacuna, square pixels
+RADIUS = 2.0  # equivalent radius of the smallest lacuna of the image, pixels
 
 
 class Numbers(NamedTuple):
@@ -80,13 +83,13 @@ def of_plexus(network: SpringNetwork) -> Numbers:
 
 def of_image(path: Path) -> tuple[Numbers, list[Floats], Cords, Floats]:
     """Numbers, outlines, cords and grey values of a segmented picture, vessels dark."""
-    grey = imread(path)
-    grey = grey[..., :3].mean(axis=2) if grey.ndim == 3 else grey
+    grey = grey_values(read_picture(path)[0])
     height, width = grey.shape
-    frame = np.array([[-0.5, -0.5], [width - 0.5, -0.5], [width - 0.5, height - 0.5], [-0.5, height - 0.5]])
-    padded = np.pad(gaussian_filter(grey, BLUR, mode="nearest"), 1)  # closes lacunae that the border cuts
-    lines = contour_generator(z=padded).lines(0.5)
-    rings = [np.clip(line[:-1] - 1.0, frame[0], frame[2]) for line in lines if signed_area(line[:-1]) > LEAST]
+    wanted = ImageExtraction(vessels="dark", smallest_radius=RADIUS)
+    islands = find_islands(level_field(grey, wanted)[0], RADIUS)
+    inside = shapely.intersection(island_shapes(islands, 1), shapely.box(0.0, 0.0, width, height))
+    rings = [ring_nodes(shape) for shape in inside]
+    frame = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
     graph = measure.cords(rings, frame, spacing=0.5)
     return numbers(rings, graph, float(width * height)), rings, graph, grey
 
@@ -113,12 +116,12 @@ def figure_two(network: SpringNetwork, rings: list[Floats], graph: Cords, grey: 
     figure = Figure(figsize=(13, 12), layout="constrained")
     height, width = grey.shape
     axes = [figure.add_subplot(2, 2, place) for place in range(1, 5)]
-    axes[0].imshow(grey, cmap="gray", extent=(-0.5, width - 0.5, height - 0.5, -0.5), interpolation="nearest")
+    axes[0].imshow(grey, cmap="gray", extent=(0.0, width, 0.0, height), interpolation="nearest")
     axes[0].set_title("capillaries (segmented image)", loc="left")
     show_plexus(axes[1], network, "vasculo, preset uniform")
     for ring in rings:
         axes[2].fill(*ring.T, color="0.85")
-    axes[2].set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5), aspect="equal")
+    axes[2].set(xlim=(0.0, width), ylim=(0.0, height), aspect="equal")
     found = survey(network)
     for void in found.voids:
         axes[3].fill(*(void.outline / found.length_unit).T, color="0.85")

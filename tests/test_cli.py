@@ -60,7 +60,7 @@ def test_help_names_the_commands_that_are_there():
     result = call("--help")
     assert result.exit_code == 0
     found = set(re.findall(r"^│ (\w+) ", result.output, re.MULTILINE))
-    assert found == {"run", "studies", "new", "check", "measure", "draw", "report"}
+    assert found == {"run", "studies", "new", "check", "measure", "draw", "report", "image"}
 
 
 def test_help_loads_nothing_heavy():

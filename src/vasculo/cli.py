@@ -136,20 +136,27 @@ def check(
 def measure(
     run: RunFolder,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the whole table here.")] = None,
+    passages: Annotated[
+        Path | None,
+        typer.Option("--passages", metavar="FILE", help="Write the passages between the pillars here, as CSV."),
+    ] = None,
 ) -> None:
     """Print the numbers of a run."""
     from vasculo.store.read import open_run  # noqa: PLC0415
-    from vasculo.study.show import show_numbers, table_text  # noqa: PLC0415
+    from vasculo.study.show import passages_text, show_numbers, table_text  # noqa: PLC0415
 
     found = open_run(run)
-    if csv is not None and (csv.is_dir() or not csv.parent.is_dir()):
-        raise InputError(f"{csv} cannot be written: name a file in a folder that is there")
+    for file in (csv, passages):
+        if file is not None and (file.is_dir() or not file.parent.is_dir()):
+            raise InputError(f"{file} cannot be written: name a file in a folder that is there")
     show_numbers(found)
-    if csv is not None:
-        from vasculo.store.table import write_whole  # noqa: PLC0415
+    for file, text_of in ((csv, table_text), (passages, passages_text)):
+        if file is not None:
+            from vasculo.store.table import write_whole  # noqa: PLC0415
 
-        write_whole(csv, table_text(found))
-        typer.echo(f"{len(found.frames)} rows written to {csv}")
+            text = text_of(found)
+            write_whole(file, text)
+            typer.echo(f"{text.count(chr(10)) - 1} rows written to {file}")
 
 
 @app.command()
@@ -194,6 +201,65 @@ def report(run: RunFolder) -> None:
     from vasculo.draw.report import write_report  # noqa: PLC0415
 
     typer.echo(str(write_report(found)))
+
+
+@app.command()
+@one_line
+def image(
+    picture: Annotated[Path, typer.Argument(metavar="PICTURE", help="A micrograph or mask: PNG, TIFF or JPEG.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PATH", help="Study file (.toml) or folder; here when left out.")
+    ] = None,
+    vessels: Annotated[
+        Literal["bright", "dark"], typer.Option("--vessels", help="Which side of the threshold is vessel.")
+    ] = "bright",
+    threshold: Annotated[
+        str, typer.Option("--threshold", metavar="VALUE", help="A grey value, or otsu, li or local.")
+    ] = "otsu",
+    window: Annotated[
+        str | None, typer.Option("--window", metavar="LENGTH", help="Neighbourhood of the local threshold.")
+    ] = None,
+    pixel_size: Annotated[
+        float | None, typer.Option("--pixel-size", metavar="UM", help="Micrometres a pixel; lengths may be in um then.")
+    ] = None,
+    smoothing: Annotated[
+        str, typer.Option("--smoothing", metavar="LENGTH", help="Blur before outlines are taken, as 1.5px or 2um.")
+    ] = "1px",
+    smallest: Annotated[
+        str,
+        typer.Option("--smallest", metavar="LENGTH", help="Smallest pillar: radius, as 2px, or area, as 12px2, 50um2."),
+    ] = "2px",
+    narrowest: Annotated[
+        str | None, typer.Option("--narrowest", metavar="LENGTH", help="Narrower passages are widened to this.")
+    ] = None,
+    spacing: Annotated[
+        str | None, typer.Option("--spacing", metavar="LENGTH", help="Distance between outline nodes.")
+    ] = None,
+    border: Annotated[
+        Literal["open", "closed"], typer.Option("--border", help="Vessels that leave beside the flow: go on, or end.")
+    ] = "open",
+    inlet: Annotated[
+        Literal["left", "top", "right", "bottom"], typer.Option("--inlet", help="Side where the blood enters.")
+    ] = "left",
+    outlet: Annotated[
+        Literal["left", "top", "right", "bottom"] | None, typer.Option("--outlet", help="The opposite side.")
+    ] = None,
+    crop: Annotated[
+        str | None, typer.Option("--crop", metavar="X,Y,W,H", help="Part of the picture, pixels from its upper left.")
+    ] = None,
+    page: Annotated[int, typer.Option("--page", metavar="N", help="Page of a file with several.")] = 1,
+    replace: Annotated[bool, typer.Option("--replace", help="Write over files of an earlier try.")] = False,
+) -> None:
+    """Turn a picture of a vessel network into a study."""
+    from vasculo.study.picture import study_of_picture  # noqa: PLC0415
+    from vasculo.study.picture_options import extraction_of  # noqa: PLC0415
+    from vasculo.study.show import show_picture  # noqa: PLC0415
+
+    lengths = {"window": window, "smoothing": smoothing, "smallest_radius": smallest}
+    lengths |= {"narrowest": narrowest, "spacing": spacing}
+    choices = {"vessels": vessels, "border": border, "inlet": inlet, "outlet": outlet}
+    wanted = extraction_of(threshold, crop, lengths, choices, pixel_size)
+    show_picture(study_of_picture(picture, wanted, out, page=page, pixel_size=pixel_size, replace=replace))
 
 
 def main() -> None:

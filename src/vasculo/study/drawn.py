@@ -23,6 +23,8 @@ def drawn_domain(settings: Settings) -> Domain:
     draw = DOMAIN_KINDS[settings.kind]
     if draw is None:
         raise InputError(f"domain.kind = {settings.kind!r}: the domain grows from a tissue and cannot be drawn before")
-    seed = {"seed": settings.study.seed} if settings.kind == "voronoi" else {}
-    domain: Domain = draw(**settings.domain, **seed)
+    more: dict[str, object] = {"seed": settings.study.seed} if settings.kind == "voronoi" else {}
+    if settings.kind == "outlines":
+        more["folder"] = settings.folder
+    domain: Domain = draw(**settings.domain, **more)
     return domain

@@ -118,11 +118,12 @@ class Job:
         rows = found.report.rows().items()
         facts = [{"name": name, "value": value, "meaning": meanings.get(name, "")} for name, value in rows]
         self.record.set_facts("extraction", facts)
-        self.record.set_facts("void_of_pillar", [int(void) for void in found.void_of_pillar])
+        self.record.set_facts("voids_of_pillar", [list(group) for group in found.lineage])
         self._keep(found.domain)
         for note in found.report.notes:
             self.log.line(f"extraction: {note}")
-        self._result = f"voids {found.report.voids}, pillars {len(found.domain.pillars)}"
+        merged = f", merged {found.report.merged}" if found.report.merged else ""
+        self._result = f"voids {found.report.voids}, pillars {len(found.domain.pillars)}{merged}"
 
     def _domain(self) -> None:
         self._keep(drawn_domain(self.settings))

@@ -16,6 +16,7 @@ from vasculo.store.table import write_whole
 from vasculo.study.builtin import find_study
 from vasculo.study.folder import Log, new_folder, old_folder
 from vasculo.study.job import Job, peak_memory
+from vasculo.study.outlines import take_along
 from vasculo.study.patience import Patience
 from vasculo.study.recorders import Table
 from vasculo.study.settings import Settings, parse_study, read_study
@@ -97,7 +98,7 @@ def execute(
     label: str,
 ) -> Run:
     """Do what `run` does; `label` is what the overrides are called in messages."""
-    shown = progress or Silence()
+    shown, copied = progress or Silence(), None
     if resume:
         folder, settings = _old_run(study, out, overrides, label)
         checkpoint = Checkpoint.load(folder / CHECKPOINT)
@@ -109,6 +110,8 @@ def execute(
         path = find_study("paper" if study is None else study)
         settings = read_study(path, overrides, label)
         folder = new_folder(_name(path), out)
+        if "file" in settings.domain:
+            copied = take_along(settings.domain["file"], settings.folder, folder)
         checkpoint = Checkpoint(settings.to_toml())
     begun = checkpoint.frames > 0 or bool(checkpoint.stages)
     try:
@@ -125,7 +128,7 @@ def execute(
         raise ComputationError(f"{error}; what was done is kept in {folder}") from error
     except InputError:
         if not resume and not begun and not _has_frames(folder):
-            _clear(folder)
+            _clear(folder, copied)
         raise
     except OSError as error:
         raise ComputationError(_disk_message(folder, error)) from error
@@ -143,7 +146,7 @@ def _old_run(
     """Find the run to go on with; a study that is named besides must be the same."""
     folder = old_folder(_name(find_study("paper" if study is None else study)), out)
     text = (folder / STUDY).read_text(encoding="utf-8")
-    settings = parse_study(text, str(folder / STUDY))
+    settings = parse_study(text, str(folder / STUDY), folder=folder)
     if study is not None or overrides:
         path = folder / STUDY if study is None else find_study(study)
         asked = read_study(path, overrides, label).tables()
@@ -230,10 +233,11 @@ def _has_frames(folder: Path) -> bool:
         return False
 
 
-def _clear(folder: Path) -> None:
+def _clear(folder: Path, copied: Path | None) -> None:
     """Remove what a run left that never came to its first step."""
-    for name in (STUDY, RECORD, CHECKPOINT, TABLE, LOG):
-        (folder / name).unlink(missing_ok=True)
+    for path in (*(folder / name for name in (STUDY, RECORD, CHECKPOINT, TABLE, LOG)), copied):
+        if path is not None:
+            path.unlink(missing_ok=True)
     with suppress(OSError):  # a folder with other things in it stays
         folder.rmdir()
 

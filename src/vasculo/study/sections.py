@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from math import ceil
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from vasculo.errors import InputError
 from vasculo.pillars.parameters import Angiogenesis
 from vasculo.plexus.parameters import Extraction
 from vasculo.plexus.voronoi import disk_domain, voronoi_plexus
+from vasculo.study.outlines import outlines_domain
 from vasculo.study.schema import keys_of
 from vasculo.tissue.lattice import FEWEST, MOST, check_lattice, lattice
 from vasculo.tissue.parameters import PRESETS, Vasculogenesis
@@ -89,7 +92,8 @@ class UnitKeys:
     Parameters
     ----------
     length : float
-        Micrometres in one model length (the side of the tissue, or R0 of a block or disk); no default.
+        Micrometres in one model length (the side of the tissue, R0 of a block or disk, a pixel of a picture); no
+        default.
     shear : float
         dyn/cm2 in one model pressure; no default.
     """
@@ -145,8 +149,9 @@ DOMAIN_KINDS: dict[str, Callable[..., Any] | None] = {
     "tissue": None,
     "voronoi": voronoi_plexus,
     "disk": disk_domain,
+    "outlines": outlines_domain,
 }
-"""Where the pillars come from: grown from a tissue, or drawn by a function."""
+"""Where the pillars come from: grown from a tissue, drawn by a function, or read from a file."""
 
 STUDY = Section("study", "What the study is", StudyKeys)
 TISSUE = Section(
@@ -165,13 +170,14 @@ _FIXED = (STUDY, TISSUE, VASCULOGENESIS, EXTRACTION, ANGIOGENESIS, OUTPUT, UNITS
 SECTIONS = {section.name: section for section in _FIXED}
 
 
-def domain_section(kind: str) -> Section:
-    """Return the section `domain` for one kind; that of a tissue has no key but `kind`."""
+def domain_section(kind: str, folder: Path = Path()) -> Section:
+    """Return the section `domain` for one kind, of a study in `folder`; that of a tissue has no key but `kind`."""
     draw = DOMAIN_KINDS[kind]
     title = "Where the pillars come from"
     if draw is None:
         return Section("domain", title, _no_keys)
-    return Section("domain", title, draw, ("seed", "nodes", "spacing"), lambda values: draw(**values))
+    make = partial(draw, folder=folder) if kind == "outlines" else draw
+    return Section("domain", title, draw, ("seed", "nodes", "spacing", "folder"), lambda values: make(**values))
 
 
 def meanings_of(kind: str) -> dict[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +27,6 @@ from vasculo.study.sections import (
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     from vasculo.pillars.parameters import Angiogenesis
     from vasculo.plexus.parameters import Extraction
@@ -44,11 +44,13 @@ class Settings:
     study, output, units : StudyKeys, OutputKeys, UnitKeys
         The sections of these names.
     kind : str
-        Where the pillars come from: "tissue", "voronoi" or "disk".
+        Where the pillars come from: "tissue", "voronoi", "disk" or "outlines".
     domain, tissue : dict
         Arguments of the function that draws the domain, and of `lattice`.
     vasculogenesis, extraction, angiogenesis : dataclasses
         Parameters of the stages.
+    folder : Path
+        Where the study lies.
     """
 
     study: StudyKeys
@@ -60,6 +62,7 @@ class Settings:
     angiogenesis: Angiogenesis
     output: OutputKeys
     units: UnitKeys = field(default_factory=UnitKeys)
+    folder: Path = field(default=Path(), compare=False)
 
     @property
     def stages(self) -> tuple[str, ...]:
@@ -107,7 +110,11 @@ def toml_value(value: object) -> str:
 
 
 def parse_study(
-    text: str, source: str, overrides: Mapping[str, object] | None = None, label: str = "settings"
+    text: str,
+    source: str,
+    overrides: Mapping[str, object] | None = None,
+    label: str = "settings",
+    folder: Path = Path(),
 ) -> Settings:
     """Check the text of a study file and complete it.
 
@@ -121,6 +128,8 @@ def parse_study(
         Values that replace those of the file.
     label : str
         What the overrides are called in messages.
+    folder : Path
+        Where the study lies, and a file of outlines beside it.
 
     Raises
     ------
@@ -155,7 +164,7 @@ def parse_study(
         for name, section in SECTIONS.items()
         if name != "domain"
     }
-    domain = _section(domain_section(kind), given, source, origin)
+    domain = _section(domain_section(kind, folder), given, source, origin)
     if kind != "tissue" and parts["study"].until != "angiogenesis":
         where = _where("study.until", source, origin)
         until = parts["study"].until
@@ -166,7 +175,7 @@ def parse_study(
             f"{where}: tissue.boundary = 'periodic' does not fit study.until = {parts['study'].until!r}: pillars need "
             "a frame, so a periodic study ends with 'vasculogenesis'"
         )
-    return Settings(kind=kind, domain=domain, **parts)
+    return Settings(kind=kind, domain=domain, folder=folder, **parts)
 
 
 def read_study(path: Path, overrides: Mapping[str, object] | None = None, label: str = "settings") -> Settings:
@@ -183,7 +192,7 @@ def read_study(path: Path, overrides: Mapping[str, object] | None = None, label:
         raise InputError(f"{path} is no text file: byte {error.start} is not UTF-8") from None
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None
-    return parse_study(text, str(path), overrides, label)
+    return parse_study(text, str(path), overrides, label, path.parent)
 
 
 def parse_assignment(text: str) -> tuple[str, object]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +16,7 @@ from vasculo.store.table import COUNTS, STAGES, to_csv
 
 if TYPE_CHECKING:
     from vasculo.store.read import Run
+    from vasculo.study.picture import Written
 
 _MOST_ROWS = 9
 _SHOWN = {
@@ -76,15 +79,41 @@ def show_numbers(run: Run) -> None:
         _show_pillars(run, console)
 
 
+def show_picture(written: Written) -> None:
+    """Print what was found in a picture, and what was written."""
+    console = _console()
+    width = max(len(name) for name, _ in written.rows)
+    for name, value in written.rows:
+        console.print(f"{name:<{width}}  {value}", soft_wrap=True)
+    for note in written.notes:
+        console.print(f"note: {note}", soft_wrap=True)
+    for file in (written.overlay, written.outlines):
+        if file is not None:
+            console.print(str(file), soft_wrap=True)
+    console.print(f"{written.study} written; try: vasculo run {written.study}", soft_wrap=True)
+
+
 def table_text(run: Run) -> str:
     """Return the whole table of a run as CSV."""
     columns = {name: values for name, values in run.metrics.items() if name != "stage"}
     return to_csv([str(stage) for stage in run.metrics["stage"]], columns)
 
 
+def passages_text(run: Run) -> str:
+    """Return the passages between the pillars of the last step as CSV."""
+    columns = measure.passages(run.domain()).columns()
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+    return text.getvalue()
+
+
 def _show_pillars(run: Run, console: Console) -> None:
     domain = run.domain()
     found, chains = measure.pillars(domain), measure.chains(domain, run.pillars().lineage)
+    passages = measure.passages(domain)
+    inner = passages.between_pillars
     table = _table("pillars of the last step", "smallest", "median", "largest")
     values = {
         "area": found.area,
@@ -93,6 +122,8 @@ def _show_pillars(run: Run, console: Console) -> None:
         "length": chains.lengths,
         "original pillars": chains.sizes,
     }
+    if inner.any():
+        values |= {"width of passages": passages.width[inner], "length of passages": passages.length[inner]}
     for name, column in values.items():
         table.add_row(name, *(f"{value:.4g}" for value in (column.min(), np.median(column), column.max())))
     console.print(table)
