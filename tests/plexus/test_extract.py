@@ -8,7 +8,7 @@ from vasculo.plexus.extract import extract, extract_domain
 from vasculo.plexus.parameters import Extraction
 from vasculo.springs.network import SpringNetwork
 
-NARROW = Extraction(tubule_width=0.75)
+NARROW = Extraction(lumen_width=0.75)
 
 
 def assert_sound(found):
@@ -33,9 +33,9 @@ def assert_sound(found):
         assert shapely.Polygon(found.voids[index].outline).buffer(0).buffer(1e-9).intersects(pillar)
 
 
-@pytest.mark.parametrize("rule", ["offset", "minimum"])
-def test_every_degenerate_case_at_once(zoo, rule):
-    found = extract(zoo(), Extraction(tubule_width=0.75, rule=rule))
+@pytest.mark.parametrize("kind", ["lumen_width", "minimum_width"])
+def test_every_degenerate_case_at_once(zoo, kind):
+    found = extract(zoo(), Extraction(**{kind: 0.75}))
     report = found.report
     assert_sound(found)
     assert report.voids == 10  # nine holes and the ring that hangs in one of them
@@ -53,16 +53,16 @@ def test_every_degenerate_case_at_once(zoo, rule):
     assert report.short_springs == 2
     assert report.crossings == 0
     assert report.narrowest_before_l0 == 0.0
-    assert report.narrow_passages >= 1
+    assert report.widened_passages >= 1
     assert report.notes
 
 
 def test_without_triangles_the_same_pillars(zoo):
     width = 0.75
-    with_triangles = extract(zoo(), Extraction(tubule_width=width))
+    with_triangles = extract(zoo(), Extraction(lumen_width=width))
     plain = zoo(triangles=False)
     ratio = with_triangles.length_unit / extract(plain, NARROW).length_unit  # L0 is the mean of the living springs
-    without = extract(plain, Extraction(tubule_width=width * ratio, smallest_radius=0.6 * ratio, spacing=0.6 * ratio))
+    without = extract(plain, Extraction(lumen_width=width * ratio, smallest_radius=0.6 * ratio, spacing=0.6 * ratio))
     assert_sound(without)
     assert without.report.pillars == with_triangles.report.pillars
     for one in with_triangles.domain.pillars:
@@ -88,8 +88,12 @@ def test_exact_area_of_a_square_pillar(carver):
     unit, width = found.length_unit, found.tubule_width
     assert width == pytest.approx(0.75 * unit)
     polygon = shapely.Polygon(found.domain.pillars[0])
-    assert polygon.bounds == pytest.approx((5 + width / 2, 5 + width / 2, 15 - width / 2, 11 - width / 2), abs=1e-9)
-    assert polygon.area == pytest.approx((10 - width) * (6 - width) - (4 - np.pi) * (0.3 * unit) ** 2, rel=6e-3)
+    assert polygon.area == pytest.approx((10 - width) * (6 - width) - (4 - np.pi) * (0.3 * unit) ** 2, rel=2e-4)
+    # chords cut the rounded corners, so all sides stand a little farther out to keep the area
+    sides = np.array(polygon.bounds) - (5 + width / 2, 5 + width / 2, 15 - width / 2, 11 - width / 2)
+    assert np.abs(sides) == pytest.approx(np.full(4, np.abs(sides[0])), abs=1e-9)
+    assert (sides * (-1, -1, 1, 1) > 0.0).all()
+    assert np.abs(sides).max() < 0.012 * unit
     pad = np.sqrt(polygon.area / np.pi)
     assert found.domain.bounds == pytest.approx((-pad, 0.0, 20.0 + pad, 16.0))
     assert found.domain.side_names == ("bottom", "left", "right", "top")
@@ -118,7 +122,8 @@ def test_cords_of_one_spring_never_merge(carver):
     assert_sound(found)
     assert found.report.pillars == 4
     assert found.report.one_spring_cords == 3
-    assert found.report.narrowest_after_l0 == pytest.approx(0.75, rel=0.02)
+    # the shapes are 0.75 apart; even outlines of the same area stand a little farther out
+    assert 0.95 * 0.75 < found.report.narrowest_after_l0 < 0.75
 
 
 @pytest.mark.parametrize("triangles", [True, False])
@@ -149,8 +154,9 @@ def test_moved_scaled_and_mirrored_networks(zoo):
     assert len(mirrored.pillars) == len(plain.pillars)
     for one, two in zip(plain.pillars, mirrored.pillars, strict=True):
         image = shapely.Polygon(0.01 * one * [-1.0, 1.0] + [3.0, -7.0])
-        assert shapely.hausdorff_distance(image, shapely.Polygon(two)) < 0.1 * 0.01
-        assert shapely.Polygon(two).area == pytest.approx(image.area, rel=1e-2)
+        # other nodes on the same curve: chords differ by the sagitta of a corner of radius 0.3 at a spacing of 0.6
+        assert shapely.hausdorff_distance(image, shapely.Polygon(two)) < 0.6**2 / (8.0 * 0.3) * 0.01
+        assert shapely.Polygon(two).area == pytest.approx(image.area, rel=1e-6)
 
 
 def test_same_input_same_bits(zoo):
@@ -174,22 +180,50 @@ def test_outline_that_crosses_itself(carver):
 def test_budget_widens_then_merges_then_refuses(carver):
     holes = [[(x, y), (x + 6, y), (x + 6, y + 6), (x, y + 6)] for x in range(1, 43, 7) for y in range(1, 29, 7)]
     network = carver(43, 29, holes)
-    free = extract(network, Extraction(tubule_width=0.3))
+    free = extract(network, Extraction(lumen_width=0.3))
     count, triangles = free.report.pillars, free.report.predicted_triangles
-    wider = extract(network, Extraction(tubule_width=0.3, triangle_budget=int(0.8 * triangles)))
+    wider = extract(network, Extraction(lumen_width=0.3, triangle_budget=int(0.8 * triangles)))
     assert wider.report.width_from == "budget"
     assert wider.report.merged == 0
     assert wider.report.predicted_triangles <= 0.8 * triangles
-    limit = extract(network, Extraction(tubule_width=1.25))
-    merged = extract(
-        network, Extraction(tubule_width=0.3, triangle_budget=int(0.98 * limit.report.predicted_triangles))
-    )
+    limit = extract(network, Extraction(lumen_width=1.25))
+    merged = extract(network, Extraction(lumen_width=0.3, triangle_budget=int(0.98 * limit.report.predicted_triangles)))
     assert_sound(merged)
     assert 1 <= merged.report.merged <= 0.15 * count
     assert merged.report.tubule_width_l0 == pytest.approx(1.25)
     assert sorted(void for group in merged.lineage for void in group) == list(range(count))
     with pytest.raises(InputError, match="raise triangle_budget"):
         extract(network, Extraction(triangle_budget=100))
+
+
+def test_a_budget_that_leaves_no_pillar(carver):
+    network = carver(12, 10, [[(5, 5), (8, 5), (8, 7), (5, 7)]])
+    assert extract(network, Extraction(lumen_width=0.3)).report.pillars == 1
+    with pytest.raises(InputError, match="budget of 2 triangles cannot be met: no pillar is left"):
+        extract(network, Extraction(lumen_width=0.3, triangle_budget=2))
+
+
+def test_widths_exclude_each_other():
+    with pytest.raises(InputError) as caught:
+        Extraction(fluid_fraction=0.4, minimum_width=1.0)
+    assert str(caught.value) == (
+        "fluid_fraction = 0.4 and minimum_width = 1.0 exclude each other: "
+        "give one of fluid_fraction, lumen_width, minimum_width"
+    )
+    with pytest.raises(InputError, match=r"lumen_width = 0\.7 and minimum_width = 1 exclude each other"):
+        Extraction(lumen_width=0.7, minimum_width=1)
+
+
+def test_what_was_asked_for_is_reported(carver):
+    network = carver(20, 16, [[(5, 5), (15, 5), (15, 11), (5, 11)]])
+    for name, words in (("lumen_width", "lumen width"), ("minimum_width", "minimum width")):
+        found = extract(network, Extraction(**{name: 0.8}))
+        assert found.report.width_from == words
+        assert found.report.tubule_width_l0 == found.report.first_width_l0 == pytest.approx(0.8)
+        assert found.report.refined_passages == found.report.passages == 0
+        assert found.passages.bodies.tolist() == [[0, -1], [0, -2], [0, -3], [0, -4]]
+    square = extract(network, Extraction(minimum_width=0.8)).domain.pillars[0]
+    assert signed_area(square) > 0.98 * 60.0  # nothing is narrow: only the corners are rounded
 
 
 def test_nothing_broken(carver):
@@ -208,7 +242,7 @@ def test_everything_broken(carver):
 def test_no_pillar_left(carver):
     network = carver(20, 16, [[(5, 5), (9, 5), (9, 8), (5, 8)]])
     with pytest.raises(InputError, match="no pillar: all 1 voids vanish"):
-        extract(network, Extraction(tubule_width=3.0))
+        extract(network, Extraction(lumen_width=3.0))
 
 
 def test_open_chain_has_no_void():
@@ -226,8 +260,8 @@ def test_not_finite(carver):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("rule", "merge"),
-        ("tubule_width", 0.0),
+        ("lumen_width", 0.0),
+        ("minimum_width", -1.0),
         ("fluid_fraction", 1.0),
         ("strip", -1.0),
         ("spacing", float("nan")),
@@ -250,14 +284,15 @@ def test_parameters_are_checked(name, value):
         ("strip", 1e18, "strip must lie from 0.05 to 100, got 1e+18"),
         ("strip", None, "strip must lie from 0.05 to 100, got None"),
         ("smallest_radius", 101.0, "smallest_radius must lie between 0 and 100, got 101.0"),
-        ("tubule_width", 1e300, "tubule_width must lie between 0 and 100, got 1e+300"),
+        ("lumen_width", 1e300, "lumen_width must lie between 0 and 100, got 1e+300"),
+        ("minimum_width", "1", "minimum_width must lie between 0 and 100, got '1'"),
+        ("edge_length", 0.0, "edge_length must lie from 0.02 to 10, got 0.0"),
         ("fluid_fraction", True, "fluid_fraction must lie between 0 and 1, got True"),
         ("rays", 5000, "rays must be a whole number from 3 to 4096, got 5000"),
         ("rays", 64.0, "rays must be a whole number from 3 to 4096, got 64.0"),
         ("triangles_across", True, "triangles_across must be a whole number from 1 to 20, got True"),
         ("triangles_across", 21, "triangles_across must be a whole number from 1 to 20, got 21"),
         ("triangle_budget", 1e5, "triangle_budget must be a whole number from 1 up, got 100000.0"),
-        ("rule", ["offset"], "rule must be one of minimum, offset, got ['offset']"),
     ],
 )
 def test_ranges_are_printed(name, value, message):

@@ -3,22 +3,42 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import Delaunay
 
-from vasculo.plexus.clearing import clear, even_outlines, neighbour_gaps
-from vasculo.plexus.outlines import face_loops, largest_part, outer_loop, repaired, ring_nodes
-from vasculo.plexus.voids import faces
+from vasculo.plexus.clearing import clear, even_outlines
+from vasculo.plexus.outlines import (
+    _chain,
+    _chain_plain,
+    count_touching,
+    count_touching_plain,
+    face_loops,
+    laid_out,
+    largest_part,
+    outer_loops,
+    repaired,
+    ring_nodes,
+)
+from vasculo.plexus.voids import faces, interior_edges
 
 SQUARE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
 FIGURE_EIGHT = np.array([(0, 0), (5, 0), (5, 4), (2, 4), (3, 6), (0, 6), (3, 4), (0, 4)], dtype=float)
 
 
+def largest_face(network):
+    """All loops of the largest face, and the outer one with its positions."""
+    nodes = len(network.points)
+    labels = faces(network.triangles, network.springs, nodes)
+    sizes = np.bincount(labels)
+    loops = face_loops(labels, network.triangles, interior_edges(network.triangles, nodes), sizes == sizes.max())
+    outer, outline = outer_loops(loops, laid_out(loops, network.points, network.reference, None)[0])
+    assert outer.face.tolist() == [sizes.argmax()]
+    return loops.of(int(sizes.argmax())), outer.nodes, outline
+
+
 def test_loop_of_one_face_is_its_border(carver):
-    network = carver(12, 12, [[(3, 3), (8, 3), (8, 8), (3, 8)]])
-    labels = faces(network.triangles, network.springs, len(network.points))
-    face = int(np.bincount(labels).argmax())
-    loops = face_loops(labels, network.triangles, [face])[face]
+    loops, outer, ring = largest_face(carver(12, 12, [[(3, 3), (8, 3), (8, 8), (3, 8)]]))
     assert len(loops) == 1
-    ring = network.points[outer_loop(loops, network.points)]
+    assert outer[0] == outer.min()
     assert len(ring) == 20
     assert shapely.Polygon(ring).equals(shapely.box(3, 3, 8, 8))
     assert shapely.LinearRing(ring).is_ccw
@@ -27,12 +47,10 @@ def test_loop_of_one_face_is_its_border(carver):
 def test_node_visited_twice_stays_one_loop_inside_the_face(carver):
     hole = [(2, 2), (10, 2), (10, 10), (2, 10)]
     network = carver(12, 12, [hole], [[(2, 6), (3, 6), (3, 7), (2, 6)]])  # a triangle hangs on the border by one node
-    labels = faces(network.triangles, network.springs, len(network.points))
-    face = int(np.bincount(labels).argmax())
-    (loop,) = face_loops(labels, network.triangles, [face])[face]
-    assert len(loop) == 32 + 3
+    (loop,), outer, ring = largest_face(network)
+    assert len(loop) == len(outer) == 32 + 3
     assert len(np.unique(loop)) == 32 + 2
-    polygon, valid = repaired(network.points[outer_loop([loop], network.points)])
+    polygon, valid = repaired(ring)
     assert not valid
     assert polygon.equals(shapely.box(2, 2, 10, 10))
 
@@ -40,12 +58,29 @@ def test_node_visited_twice_stays_one_loop_inside_the_face(carver):
 def test_ring_around_a_block_gives_two_loops(carver):
     hole = [(2, 2), (10, 2), (10, 10), (2, 10)]
     ring = [[(5, 5), (6, 5), (7, 5), (7, 6), (7, 7), (6, 7), (5, 7), (5, 6), (5, 5)]]
-    network = carver(12, 12, [hole], ring)
-    labels = faces(network.triangles, network.springs, len(network.points))
-    face = int(np.bincount(labels).argmax())
-    loops = face_loops(labels, network.triangles, [face])[face]
+    loops, outer, _ = largest_face(carver(12, 12, [hole], ring))
     assert sorted(len(loop) for loop in loops) == [8, 32]
-    assert len(outer_loop(loops, network.points)) == 32
+    assert len(outer) == 32
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 10_000), nodes=st.integers(4, 150), left=st.floats(0.0, 1.0))
+def test_chains_equal_their_twin(seed, nodes, left):
+    rng = np.random.default_rng(seed)
+    triangles = Delaunay(rng.random((nodes, 2))).simplices.astype(np.int32)
+    edges = interior_edges(triangles, nodes)
+    springs = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    springs = springs[rng.random(len(springs)) < left]
+    labels = faces(triangles, springs, nodes, edges)
+    wanted = rng.random(labels.max() + 1) < 0.7
+    tables = labels, triangles.ravel(), edges.first, edges.second, wanted
+    fast, plain = _chain(*tables), _chain_plain(*tables)
+    for one, two in zip(fast, plain, strict=True):
+        np.testing.assert_array_equal(one, two)
+    assert count_touching(*fast[:2]) == count_touching_plain(*fast[:2])
+    loops = face_loops(labels, triangles, edges, wanted)
+    assert sum(len(loops.of(face)) for face in range(len(wanted))) == len(loops.face) == len(fast[2])
+    assert set(loops.face.tolist()) == set(np.flatnonzero(wanted).tolist())
 
 
 def test_figure_eight_keeps_its_largest_lobe():
@@ -120,7 +155,7 @@ def test_overlapping_and_nested_outlines():
     result = clear(raw, shapely.box(0, 0, 12, 12), 0.5, "offset", 0.2, 0.5)
     assert result.void.tolist() == [0, 1]
     assert result.nested == 1
-    assert neighbour_gaps(result.shapes, 20.0)[0] > 0.8 * 0.5
+    assert shapely.distance(*result.shapes) > 0.8 * 0.5
 
 
 def test_neck_and_small_and_vanished():

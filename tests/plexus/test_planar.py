@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from vasculo.errors import InputError
-from vasculo.geometry.planar import planar_faces, planar_graph
+from vasculo.geometry.planar import PlanarFaces, _number, _number_plain, planar_faces, planar_graph
 
 
 def test_crossing_diagonals_dangling_and_island():
@@ -20,7 +20,9 @@ def test_crossing_diagonals_dangling_and_island():
     assert result.loose == 1
     np.testing.assert_allclose(np.sort(result.areas(whole)), [-1.0, -0.5, 0.25, 0.25, 0.25, 0.25, 0.5])
     island = int(np.argmax(result.areas(whole)))
-    assert sorted(result.loop(island).tolist()) == [5, 6, 7]
+    nodes, start, face = result.loops(np.arange(result.face.max() + 1) == island)
+    assert sorted(nodes.tolist()) == [5, 6, 7]
+    assert (start.tolist(), face.tolist()) == ([0, 3], [island])
     # the crossing point moves with the spring it lies on
     np.testing.assert_allclose(graph.carry(points * 2.0)[-1], (1.0, 1.0))
 
@@ -79,3 +81,22 @@ def test_random_chords_keep_their_area():
 def test_no_edge_of_any_length():
     with pytest.raises(InputError, match="no edge of any length"):
         planar_graph(np.zeros((2, 2)), np.array([[0, 1]], dtype=np.int32))
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 10_000), count=st.integers(0, 200), share=st.floats(0.0, 1.0))
+def test_cycles_equal_their_twin(seed, count, share):
+    rng = np.random.default_rng(seed)
+    following = rng.permutation(count).astype(np.int32)
+    fast, plain = np.empty(count, dtype=np.int32), np.empty(count, dtype=np.int32)
+    _number(following, fast)
+    _number_plain(following, plain)
+    np.testing.assert_array_equal(fast, plain)
+    wanted = rng.random(int(fast.max(initial=-1)) + 1) < share
+    nodes, start, face = PlanarFaces(np.arange(count, dtype=np.int32), following, fast, following, 0).loops(wanted)
+    for index, number in enumerate(face.tolist()):
+        chain = [int(np.argmax(fast == number))]
+        while following[chain[-1]] != chain[0]:
+            chain.append(int(following[chain[-1]]))
+        assert nodes[start[index] : start[index + 1]].tolist() == chain
+    assert face.tolist() == np.flatnonzero(wanted).tolist()

@@ -7,12 +7,19 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
 from vasculo.errors import InputError
+from vasculo.plexus.survey import _measure, _measure_plain
 from vasculo.plexus.voids import (
-    _join,
-    _join_plain,
+    _edges,
+    _edges_plain,
+    _mark,
+    _mark_plain,
+    _signed_areas,
+    _signed_areas_plain,
     face_areas,
     faces,
     interior_edges,
+    join,
+    join_plain,
     mean_triangle_area,
     triangle_areas,
     void_fraction,
@@ -37,16 +44,38 @@ def test_kernel_equals_twin_and_euler(nodes, seed, left):
     springs = edges[alive][rng.permutation(int(alive.sum()))]
     springs[::2] = springs[::2, ::-1].copy()
     table = interior_edges(triangles, nodes)
+    for one, two in zip(_edges(triangles, nodes), _edges_plain(triangles, nodes), strict=True):
+        np.testing.assert_array_equal(one, two)
+    intact, marked = np.zeros(len(table.high), dtype=bool), np.zeros(len(table.high), dtype=bool)
+    _mark(table.start, table.high, np.ascontiguousarray(springs), intact)
+    _mark_plain(table.start, table.high, springs, marked)
+    np.testing.assert_array_equal(intact, marked)
     fast, plain = np.empty(len(triangles), dtype=np.int32), np.empty(len(triangles), dtype=np.int32)
-    count = _join(table.start, table.high, table.first, table.second, np.ascontiguousarray(springs), fast)
-    assert count == _join_plain(table.start, table.high, table.first, table.second, springs, plain)
+    count = join(table.first // 3, table.second // 3, intact, fast)
+    assert count == join_plain(table.first // 3, table.second // 3, intact, plain)
     np.testing.assert_array_equal(fast, plain)
+    np.testing.assert_array_equal(fast, faces(triangles, springs, nodes))
     # Euler: inner faces = edges - nodes + connected parts (every node counts, frame edges all alive)
     graph = coo_array((np.ones(len(springs)), (springs[:, 0], springs[:, 1])), shape=(nodes, nodes))
     parts, _ = connected_components(graph, directed=False)
     assert count == len(springs) - nodes + parts
     areas = face_areas(fast, triangles, points)
     assert areas.sum() == pytest.approx(triangle_areas(triangles, points).sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("box", [(np.inf, np.inf), (1.0, np.inf), (1.0, 1.0)])
+def test_areas_equal_their_twin(box):
+    points, triangles, _, _, rng = triangulated(300, 5)
+    triangles = triangles[:, [0, 2, 1]]
+    moved = points + 0.3 * rng.normal(size=points.shape)
+    fast, plain = np.empty(len(triangles)), np.empty(len(triangles))
+    _signed_areas(np.ascontiguousarray(triangles), moved, points, np.array(box), fast)
+    _signed_areas_plain(triangles, moved, points, np.array(box), plain)
+    np.testing.assert_array_equal(fast, plain)
+    edges = np.ascontiguousarray(triangles[:, :2])
+    _measure(edges, moved, points, np.array(box), fast)
+    _measure_plain(edges, moved, points, np.array(box), plain)
+    np.testing.assert_allclose(fast, plain, rtol=1e-15)
 
 
 def test_percolation_limits():

@@ -180,6 +180,11 @@ def _notes(extraction: list[dict[str, Any]]) -> list[str]:
         f"narrowest tubule {facts['tubule_width_l0']:.2f} mean spring lengths, mean pillar radius "
         f"{facts['mean_radius']:.4f} model lengths."
     )
+    if "refined_passages" in facts:
+        text += (
+            f" The flow mesh is refined in {facts['refined_passages']} of {facts['passages']} passages between "
+            f"pillars; {facts['merged']} pillars were merged to keep it in its budget."
+        )
     notes = [f"<p>{escape(text)}</p>"]
     if facts.get("notes"):
         notes.append(f'<p class="warning">{escape(str(facts["notes"]))}</p>')

@@ -12,13 +12,16 @@ import numpy as np
 import shapely
 
 from vasculo.errors import ComputationError
-from vasculo.geometry.outline import resample, segment_lengths
+from vasculo.geometry.neighbours import as_polygons
+from vasculo.geometry.outline import segment_lengths
+from vasculo.plexus.even import even_rings
 from vasculo.plexus.outlines import largest_part, ring_nodes
+from vasculo.plexus.rules import RULES, near_pairs
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
+
+    from vasculo.plexus.rules import Near
 
     Floats = NDArray[np.float64]
     Shapes = NDArray[np.object_]
@@ -31,6 +34,8 @@ SPACING_RATIO = 1.3
 """Largest over smallest segment of an outline."""
 HALVINGS = 4
 """How often the spacing of an outline may be halved to keep its gaps and its evenness."""
+SHORT_OF_WIDTH = 0.98
+"""Shapes closer than this share of the width are cut apart."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +66,15 @@ class Cleared:
     nested: int
 
 
-def clear(raw: Shapes, box: shapely.Polygon, width: float, rule: str, rounding: float, smallest: float) -> Cleared:
+def clear(
+    raw: Shapes,
+    box: shapely.Polygon,
+    width: float,
+    rule: str,
+    rounding: float,
+    smallest: float,
+    near: Near | None = None,
+) -> Cleared:
     """Widen all tubules to `width`, round, separate, and drop what is too small.
 
     Parameters
@@ -78,16 +91,21 @@ def clear(raw: Shapes, box: shapely.Polygon, width: float, rule: str, rounding: 
         Opening radius: convex corners are rounded, spikes and lobes on narrow necks removed.
     smallest : float
         Pillars of smaller equivalent radius are dropped.
+    near : Near, optional
+        Pairs of raw outlines, with a reach of `width` at least; found if not given.
 
     Returns
     -------
     Cleared
     """
-    opened = RULES[rule](raw, box, width, rounding)
-    pieces = np.array([_pieces(shape) for shape in opened])
-    shapes = np.array([largest_part(shape) for shape in opened], dtype=object)
+    if near is None or near.reach < width:
+        near = near_pairs(raw, width)
+    opened = RULES[rule](raw, box, width, rounding, near)
+    shapes, pieces = _largest_parts(opened)
     empty = shapely.is_empty(shapes)
-    shapes, cut, swallowed = _separate(shapes, raw, width, rounding)
+    # Outlines that do not overlap end up a width apart: by the offset exactly, by the minimum rule up to its samples.
+    apart = near.pairs[near.gap <= 0.0] if rule == "offset" else near.pairs[near.gap < width]
+    shapes, cut, swallowed = _separate(shapes, raw, apart, width, rounding)
     radius = np.sqrt(shapely.area(shapes) / np.pi)
     small = (radius < smallest) & ~empty & ~swallowed
     kept = np.flatnonzero(~(empty | swallowed | small))
@@ -96,11 +114,13 @@ def clear(raw: Shapes, box: shapely.Polygon, width: float, rule: str, rounding: 
     )
 
 
-def even_outlines(shapes: Shapes, spacing: float, width: float) -> tuple[list[Floats], int]:
+def even_outlines(
+    shapes: Shapes, spacing: float, width: float, box: tuple[float, float, float, float] | None = None
+) -> tuple[list[Floats], int]:
     """Resample outlines evenly and check them: simple, gaps, spacing.
 
-    Nodes lie at equal arc length on the rounded polygon, which cuts its corners and never overshoots. Where a chord
-    across a hollow narrows a gap too much, or an outline is uneven, its spacing is halved.
+    Nodes lie at equal distances along the rounded polygon, with its corners and its area kept. Where a chord across a
+    hollow narrows a gap too much, or an outline is uneven, its spacing is halved.
 
     Parameters
     ----------
@@ -110,6 +130,8 @@ def even_outlines(shapes: Shapes, spacing: float, width: float) -> tuple[list[Fl
         Wanted distance between nodes.
     width : float
         Tubule width the gaps are checked against.
+    box : tuple of four floats, optional
+        Smallest x and y, largest x and y of the tissue; half a width is kept from them.
 
     Returns
     -------
@@ -125,88 +147,47 @@ def even_outlines(shapes: Shapes, spacing: float, width: float) -> tuple[list[Fl
     """
     rings = [ring_nodes(shape) for shape in shapes]
     finer = np.zeros(len(rings), dtype=np.int64)
-    outlines = [resample(ring, spacing, minimum=FEWEST_NODES) for ring in rings]
+    outlines = even_rings(rings, spacing, FEWEST_NODES) if rings else []
     for _ in range(HALVINGS + 1):
-        polygons = np.array([shapely.Polygon(outline) for outline in outlines], dtype=object)
-        lengths = [segment_lengths(outline) for outline in outlines]
-        ratio = np.array([edges.max() / edges.min() for edges in lengths])
+        polygons = as_polygons(outlines)
+        ratio = np.array([np.divide(*np.sort(segment_lengths(outline))[[-1, 0]]) for outline in outlines])
         bad = ~shapely.is_valid(polygons) | (ratio > SPACING_RATIO)
         pairs = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=GAP_SHARE * width)
         bad[pairs[0][pairs[0] != pairs[1]]] = True
+        if box is not None:
+            margins = (shapely.bounds(polygons) - box) * (1.0, 1.0, -1.0, -1.0)
+            bad |= (margins <= 0.5 * GAP_SHARE * width).any(axis=1)
         if not bad.any():
             return outlines, int(np.count_nonzero(finer))
         finer[bad] += 1
-        for index in np.flatnonzero(bad):
-            wanted = spacing / 2.0 ** finer[index]
-            outlines[index] = resample(rings[index], wanted, minimum=FEWEST_NODES * 2 ** int(finer[index]))
+        for halvings in np.unique(finer[bad]):
+            mine = np.flatnonzero(bad & (finer == halvings))
+            fresh = even_rings([rings[k] for k in mine], spacing / 2.0**halvings, FEWEST_NODES * 2 ** int(halvings))
+            for index, outline in zip(mine, fresh, strict=True):
+                outlines[index] = outline
     worst = int(np.flatnonzero(bad)[0])
     raise ComputationError(
         f"{np.count_nonzero(bad)} of {len(outlines)} outlines stay invalid, uneven (pillar {worst}: segment ratio "
-        f"{ratio[worst]:.3g}, limit {SPACING_RATIO}) or closer than {GAP_SHARE * width:.3g} to another: "
-        f"raise the tubule width"
+        f"{ratio[worst]:.3g}, limit {SPACING_RATIO}) or closer than {GAP_SHARE * width:.3g} to another or half of that "
+        f"to the frame: raise the tubule width"
     )
 
 
-def wall_gaps(shapes: Shapes, box: shapely.Polygon) -> Floats:
-    """Distance of each pillar to the box's border."""
-    return np.asarray(shapely.distance(shapes, box.exterior), dtype=np.float64)
+def _largest_parts(shapes: Shapes) -> tuple[Shapes, NDArray[np.int64]]:
+    """Largest polygon of each shape, without holes (an empty one where there is none), and how many there are."""
+    parts, owner = shapely.get_parts(shapes, return_index=True)
+    area = shapely.area(parts)
+    parts, owner, area = parts[area > 0.0], owner[area > 0.0], area[area > 0.0]
+    order = np.lexsort((area, owner))
+    last = order[np.append(owner[order][1:] != owner[order][:-1], True)[: len(order)]]
+    result = np.full(len(shapes), shapely.Polygon(), dtype=object)
+    result[owner[last]] = shapely.polygons(shapely.get_exterior_ring(parts[last]))
+    return result, np.bincount(owner, minlength=len(shapes))
 
 
-def neighbour_gaps(shapes: Shapes, reach: float) -> Floats:
-    """Distances of all pairs closer than `reach`, sorted."""
-    first, second = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=reach)
-    once = first < second
-    return np.sort(shapely.distance(shapes[first[once]], shapes[second[once]]))
-
-
-def _offset(raw: Shapes, box: shapely.Polygon, width: float, rounding: float) -> Shapes:
-    """Constant offset: a cord of n springs stays n springs thick plus the width."""
-    inner = shapely.intersection(shapely.buffer(raw, -0.5 * width - rounding), _inner(box, 0.5 * width + rounding))
-    return np.asarray(shapely.buffer(inner, rounding))
-
-
-def _minimum(raw: Shapes, box: shapely.Polygon, width: float, rounding: float) -> Shapes:
-    """Minimum width: cut disks of radius (width - gap)/2 along the outlines where the gap is below the width.
-
-    A straight way between two cut outlines crosses both raw ones, at points with gaps at most its middle part; the two
-    disks add the rest, so it is at least `width` long. Closing after opening fills the cusps between disks.
-    """
-    edges = shapely.boundary(raw)
-    tree = shapely.STRtree(raw)
-    cut = np.empty(len(raw), dtype=object)
-    inner = _inner(box, 0.5 * width)
-    for index, polygon in enumerate(raw):
-        near = tree.query(polygon, predicate="dwithin", distance=width)
-        near = near[near != index]
-        samples = shapely.points(shapely.get_coordinates(shapely.segmentize(edges[index], 0.15 * width))[:-1])
-        gap = np.full(len(samples), width)
-        for other in near:
-            gap = np.minimum(gap, shapely.distance(samples, raw[other]))
-        tight = gap < width
-        disks = shapely.union_all(shapely.buffer(samples[tight], 0.5 * (width - gap[tight]), quad_segs=6))
-        cut[index] = shapely.intersection(shapely.difference(polygon, disks), inner)
-    opened = shapely.buffer(shapely.buffer(cut, -rounding), rounding)
-    return np.asarray(shapely.buffer(shapely.buffer(opened, rounding), -rounding))
-
-
-RULES: dict[str, Callable[[Shapes, shapely.Polygon, float, float], Shapes]] = {"offset": _offset, "minimum": _minimum}
-"""The ways to give tubules their width."""
-
-
-def _inner(box: shapely.Polygon, margin: float) -> shapely.Polygon:
-    """Shrink the box by a margin on all sides; empty when nothing is left."""
-    x0, y0, x1, y1 = box.bounds
-    if min(x1 - x0, y1 - y0) <= 2.0 * margin:
-        return shapely.Polygon()
-    return shapely.box(x0 + margin, y0 + margin, x1 - margin, y1 - margin)
-
-
-def _pieces(shape: shapely.Geometry) -> int:
-    """Count the polygons of a shape."""
-    return int(np.sum(shapely.area(shapely.get_parts(shape)) > 0.0))
-
-
-def _separate(shapes: Shapes, raw: Shapes, width: float, rounding: float) -> tuple[Shapes, int, NDArray[np.bool_]]:
+def _separate(
+    shapes: Shapes, raw: Shapes, pairs: NDArray[np.int64], width: float, rounding: float
+) -> tuple[Shapes, int, NDArray[np.bool_]]:
     """Cut the smaller of two shapes that overlap or come too close; says which lie inside another void.
 
     Needed only where folded tissue makes raw outlines overlap, or where a void sits on a piece that hangs inside
@@ -214,10 +195,9 @@ def _separate(shapes: Shapes, raw: Shapes, width: float, rounding: float) -> tup
     """
     result = shapes.copy()
     swallowed = np.zeros(len(shapes), dtype=bool)
-    first, second = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=0.98 * width)
-    pairs = sorted((int(i), int(j)) for i, j in zip(first, second, strict=True) if i < j)
+    close = shapely.distance(shapes[pairs[:, 0]], shapes[pairs[:, 1]]) < SHORT_OF_WIDTH * width
     cut = 0
-    for i, j in pairs:
+    for i, j in pairs[close].tolist():
         large, little = (i, j) if shapely.area(shapes[i]) >= shapely.area(shapes[j]) else (j, i)
         if swallowed[little] or swallowed[large]:
             continue
@@ -225,7 +205,7 @@ def _separate(shapes: Shapes, raw: Shapes, width: float, rounding: float) -> tup
             swallowed[little] = True
             result[little] = shapely.Polygon()
             continue
-        if shapely.distance(result[large], result[little]) < 0.98 * width:
+        if shapely.distance(result[large], result[little]) < SHORT_OF_WIDTH * width:
             rest = shapely.difference(result[little], shapely.buffer(result[large], width))
             result[little] = largest_part(shapely.buffer(shapely.buffer(rest, -rounding), rounding))
             cut += 1

@@ -1,12 +1,13 @@
 """From the broken network to the flow domain: the voids become pillars, the cords between them tubules.
 
 The steps, in order: voids and their outlines from the topology (`survey`), valid polygons (`outlines`), tubules of a
-given width (`clearing`), refine or merge (`passages`), and the rectangle with plain strips before and behind.
+given width (`clearing`), refine or merge (`budget`), and the rectangle with plain strips before and behind.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,32 +15,24 @@ import shapely
 
 from vasculo.errors import InputError
 from vasculo.geometry.domain import Domain
-from vasculo.geometry.outline import signed_area
-from vasculo.plexus.clearing import even_outlines
+from vasculo.plexus.budget import fit_budget, laid_out_for
 from vasculo.plexus.outlines import repaired
 from vasculo.plexus.parameters import Extraction
-from vasculo.plexus.passages import MOST_MERGES, merge_dearest, mesh_cost
 from vasculo.plexus.rays import ray_agreement
 from vasculo.plexus.report import make_report
+from vasculo.plexus.rules import near_pairs
 from vasculo.plexus.survey import survey
-from vasculo.plexus.width import WIDTH_RANGE, choose_width, cleared_at, widen_for
+from vasculo.plexus.width import WIDTH_RANGE, choose_width, cleared_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vasculo.plexus.passages import MeshCost
+    from vasculo.plexus.passages import Passages
     from vasculo.plexus.report import ExtractionReport
     from vasculo.plexus.survey import Void
     from vasculo.springs.network import SpringNetwork
 
     Ints = NDArray[np.int32]
-    Floats = NDArray[np.float64]
-    Shapes = NDArray[np.object_]
-
-CLOSING = 0.5
-"""First closing radius (L0) of merged pillars."""
-MERGE_ROUNDS = 3
-"""How often the mesh is predicted anew while pillars are merged."""
 
 
 @dataclass(frozen=True)
@@ -52,18 +45,21 @@ class Extracted:
         The tissue's bounding box with a strip at the left and right; sides "left", "right", "bottom", "top".
     report : ExtractionReport
         What was found, dropped and changed.
+    passages : Passages
+        The tubules between neighbouring pillars, measured.
     voids : tuple of Void
         All voids: face, loop of nodes, area and raw outline.
     void_of_pillar : ndarray of int32, shape (p,)
         The void of each pillar; the largest one of a merged pillar.
     lineage : tuple of tuple of int
-        All voids of each pillar.
+        All voids of each pillar, sorted.
     tubule_width, length_unit : float
-        w and L0 (model length).
+        Width of the narrowest tubule and L0 (model length).
     """
 
     domain: Domain
     report: ExtractionReport
+    passages: Passages
     voids: tuple[Void, ...]
     void_of_pillar: Ints
     lineage: tuple[tuple[int, ...], ...]
@@ -107,86 +103,28 @@ def extract(network: SpringNetwork, parameters: Extraction | None = None) -> Ext
     mended = [repaired(void.outline) for void in found.voids]
     raw = np.array([polygon for polygon, _ in mended], dtype=object)
     box = shapely.box(*found.bounds)
-    width, source = choose_width(raw, box, unit, wanted)
-    cleared = cleared_at(raw, box, width, unit, wanted)
-    if not len(cleared.shapes):
+    near = near_pairs(raw, max(WIDTH_RANGE[1], wanted.width or 0.0) * unit)
+    cleared = cache(partial(cleared_at, raw, near, box, unit=unit, wanted=wanted))
+    width, source = choose_width(cleared, box.area, unit, wanted)
+    if not len(cleared(width).shapes):
         raise InputError(
             f"no pillar: all {len(raw)} voids vanish or fall below {wanted.smallest_radius:g} L0 at a tubule width of "
-            f"{width / unit:.3g} L0: lower tubule_width or smallest_radius"
+            f"{width / unit:.3g} L0: lower the width or smallest_radius"
         )
-    cost = _cost(cleared.shapes, box, width, unit, wanted)
-    budget = np.inf if wanted.triangle_budget is None else float(wanted.triangle_budget)
-    if cost.total > budget:
-
-        def fits(trial: float) -> bool:
-            shapes = cleared_at(raw, box, trial, unit, wanted).shapes
-            return not len(shapes) or _cost(shapes, box, trial, unit, wanted).total <= budget
-
-        if width < WIDTH_RANGE[1] * unit:
-            width, source = widen_for(fits, width, unit), "budget"
-            cleared = cleared_at(raw, box, width, unit, wanted)
-            cost = _cost(cleared.shapes, box, width, unit, wanted)
-    shapes = cleared.shapes
-    lineage: list[tuple[int, ...]] = [(int(void),) for void in cleared.void]
-    if cost.total > budget:
-        shapes, lineage, cost = _merge(shapes, lineage, box, width, unit, wanted, cost)
-    outlines, halved = even_outlines(shapes, wanted.spacing * unit, width)
-    domain = _domain(outlines, found.bounds, wanted.strip)
-    agreement = ray_agreement(network.points, found.springs, [void.outline for void in found.voids], wanted.rays)
+    layout = partial(laid_out_for, bounds=found.bounds, unit=unit, wanted=wanted)
+    fitted = fit_budget(cleared, layout, width, unit, box.area, wanted.triangle_budget)
+    end = fitted.layout
+    domain = Domain(end.outer, end.outlines, end.sides)
     report = make_report(
         found,
-        cleared,
+        fitted,
+        near,
+        ray_agreement(network.points, found.springs, [void.outline for void in found.voids], wanted.rays),
         domain,
-        raw,
-        agreement,
-        width=width,
-        source=source,
-        halved=halved,
-        triangles=cost.total,
+        first_width=width,
+        source=source if fitted.width == width else "budget",
         invalid=sum(not valid for _, valid in mended),
     )
     areas = [void.area for void in found.voids]
-    first = np.array([max(group, key=lambda void: areas[void]) for group in lineage], dtype=np.int32)
-    return Extracted(domain, report, found.voids, first, tuple(lineage), width, unit)
-
-
-def _cost(shapes: Shapes, box: shapely.Polygon, width: float, unit: float, wanted: Extraction) -> MeshCost:
-    """Predict the mesh of some pillars."""
-    return mesh_cost(shapes, box, min(width, unit), wanted.triangles_across)
-
-
-def _merge(
-    shapes: Shapes,
-    lineage: list[tuple[int, ...]],
-    box: shapely.Polygon,
-    width: float,
-    unit: float,
-    wanted: Extraction,
-    cost: MeshCost,
-) -> tuple[Shapes, list[tuple[int, ...]], MeshCost]:
-    """Merge pillars until the expected mesh fits the budget, or refuse."""
-    budget = float(wanted.triangle_budget or 0)
-    start, count = cost.total, len(shapes)
-    most = int(MOST_MERGES * count)
-    for _ in range(MERGE_ROUNDS):
-        left = most - (count - len(shapes))
-        if cost.total <= budget or left < 1:
-            break
-        shapes, groups = merge_dearest(shapes, box, cost, budget, CLOSING * unit, width, left)
-        lineage = [tuple(sorted(void for k in group for void in lineage[k])) for group in groups]
-        cost = _cost(shapes, box, width, unit, wanted)
-    if cost.total > budget:
-        raise InputError(
-            f"the flow mesh would have about {cost.total:.0f} triangles, the budget is {budget:.0f}: tubules are "
-            f"{width / unit:.3g} L0 wide (limit {WIDTH_RANGE[1]} L0), {count - len(shapes)} of {count} pillars are "
-            f"merged (limit {most}; {start:.0f} triangles before): raise triangle_budget or use fewer nodes"
-        )
-    return shapes, lineage, cost
-
-
-def _domain(outlines: list[Floats], bounds: tuple[float, float, float, float], strip: float) -> Domain:
-    """Put pillars into the box with its strips, `strip` mean radii long."""
-    x0, y0, x1, y1 = bounds
-    pad = strip * float(np.sqrt(np.mean([signed_area(outline) for outline in outlines]) / np.pi))
-    corners = np.array([(x0 - pad, y0), (x1 + pad, y0), (x1 + pad, y1), (x0 - pad, y1)])
-    return Domain(corners, outlines, ("bottom", "right", "top", "left"))
+    largest = np.array([max(group, key=lambda void: areas[void]) for group in fitted.lineage], dtype=np.int32)
+    return Extracted(domain, report, end.passages, found.voids, largest, fitted.lineage, fitted.width, unit)

@@ -1,8 +1,4 @@
-"""Narrow passages: what they cost to mesh, and when the two pillars beside one are merged.
-
-Szczerba & Szekely 2005, section 3, refine the mesh in narrow passages or merge the two polygons "if refinement leads to
-excessive mesh sizes". The measure of cost and the limits on merging are ours.
-"""
+"""Passages: the tubules between neighbouring pillars, how wide they are, and what they cost to mesh."""
 
 from __future__ import annotations
 
@@ -10,166 +6,183 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import shapely
-from scipy.spatial import Delaunay
 
-from vasculo.plexus.outlines import largest_part
+from vasculo.mesh.delaunay import fluid_triangles
+from vasculo.mesh.size import BASE_LAYERS, LAYER
+from vasculo.plexus.even import following
+from vasculo.plexus.passage_kernels import expected_triangles, narrowest_ways, sort_triangles
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-    Ints = NDArray[np.int32]
-    Floats = NDArray[np.float64]
-    Shapes = NDArray[np.object_]
+    from vasculo.geometry.arrays import Flags, Floats, Ints
 
-MESH_FACTOR = 1.35
-"""Triangles of a real mesh over those of the estimate, measured at three triangles across."""
-LARGEST_CLUSTER = 0.1
-"""No merged pillar may cover more than this share of the tissue."""
-MOST_MERGES = 0.15
-"""At most this share of the pillars may disappear by merging."""
+GRADING = 0.25
+"""Largest gradient of the mesh's edge length: that of `generate_mesh` by default."""
 
 
-@dataclass(frozen=True)
-class MeshCost:
-    """Expected triangles of a flow mesh.
+@dataclass(frozen=True, eq=False)
+class Passages:
+    """One row a passage: two neighbouring pillars, or a pillar and a side of the outer outline.
+
+    Neighbours share a piece of the medial axis of the fluid: in the constrained Delaunay triangulation of the outlines
+    some triangle has one edge on one of the two and its apex on the other. These triangles make up the passage.
 
     Attributes
     ----------
+    bodies : ndarray of int32, shape (k, 2)
+        Pillars i < j; or pillar i and -1 - s for side s of `sides`, as in the tags of a mesh. Sorted, sides after
+        pillars.
+    width : ndarray of float64, shape (k,)
+        Narrowest width: the exact distance of the two outlines (model length).
+    place : ndarray of float64, shape (k, 2)
+        Middle of the narrowest place (model length).
+    facing : ndarray of float64, shape (k, 2, 2)
+        The two points that face each other there, on the first and on the second body (model length).
+    length : ndarray of float64, shape (k,)
+        Half of the walls that line the passage, both sides together (model length).
+    mean_width : ndarray of float64, shape (k,)
+        Area of the passage over its length (model length).
+    triangles, refinement : ndarray of float64, shape (k,)
+        Expected triangles of a flow mesh in the passage, and how many of them are there only because so many are wanted
+        across it.
     total : float
-        Triangles in all.
-    pairs : ndarray of int32, shape (k, 2)
-        Neighbouring pillars i < j.
-    cost : ndarray of float64, shape (k,)
-        Triangles in the passage between them.
+        Expected triangles of the whole mesh: passages, junctions of three bodies, hollows and open fluid.
+    edge_length, across : float
+        Plain edge length (model length) and triangles across a passage of that mesh.
+    sides : tuple of str
+        Names of the sides, sorted.
     """
 
+    bodies: Ints
+    width: Floats
+    place: Floats
+    facing: Floats
+    length: Floats
+    mean_width: Floats
+    triangles: Floats
+    refinement: Floats
     total: float
-    pairs: Ints
-    cost: Floats
+    edge_length: float
+    across: float
+    sides: tuple[str, ...]
+
+    def __len__(self) -> int:
+        """Return the number of passages."""
+        return len(self.width)
+
+    @property
+    def between_pillars(self) -> Flags:
+        """Passages (k,) with a pillar on both sides."""
+        return np.asarray(self.bodies[:, 1] >= 0)
+
+    @property
+    def refined(self) -> Flags:
+        """Passages (k,) too narrow for their triangles across at the plain edge length: the mesh is finer there."""
+        return np.asarray(self.width < self.across * self.edge_length / LAYER)
+
+    def columns(self) -> dict[str, NDArray[np.generic]]:
+        """Return the table as named columns, each of shape (k,); a side stands by its name."""
+        names = np.array([*map(str, range(int(self.bodies.max(initial=-1)) + 1)), *reversed(self.sides)])
+        return {
+            "pillar": self.bodies[:, 0],
+            "other": names[self.bodies[:, 1]],
+            "width": self.width,
+            "x": self.place[:, 0],
+            "y": self.place[:, 1],
+            "x_on_pillar": self.facing[:, 0, 0],
+            "y_on_pillar": self.facing[:, 0, 1],
+            "x_on_other": self.facing[:, 1, 0],
+            "y_on_other": self.facing[:, 1, 1],
+            "length": self.length,
+            "mean_width": self.mean_width,
+            "triangles": self.triangles,
+            "refinement": self.refinement,
+        }
 
 
-def mesh_cost(shapes: Shapes, box: shapely.Polygon, narrowest: float, across: int) -> MeshCost:
-    """Predict the size of a mesh with so many triangles across every passage.
+def find_passages(
+    pillars: Sequence[Floats], outer: Floats, sides: Sequence[str], edge_length: float, across: float
+) -> Passages:
+    """Measure all passages between the outlines of a domain (which are not checked again).
 
-    Strategy: in the Delaunay triangulation of closely spaced boundary points the circumdiameter of a triangle is the
-    local gap g; equilateral triangles of side g/across cover an area A with across^2 A / (0.433 g^2) of them. Points
-    near the box are mirrored in its walls, so half a tubule there counts as half of a whole one.
-
-    Parameters
-    ----------
-    shapes : ndarray of shapely.Polygon, shape (p,)
-        Pillars.
-    box : shapely.Polygon
-        Tissue box (model length).
-    narrowest : float
-        Narrowest gap (model length); points are half of it apart.
-    across : int
-        Triangles wanted across a passage.
-
-    Returns
-    -------
-    MeshCost
-    """
-    dense = shapely.segmentize(shapely.boundary(shapes), 0.5 * narrowest)
-    points, owner = shapely.get_coordinates(dense, return_index=True)
-    x0, y0, x1, y1 = box.bounds
-    reach = 2.0 * float(np.sqrt(np.mean(shapely.area(shapes)) / np.pi))
-    images, owners = [points], [owner]
-    for axis, wall in ((0, x0), (0, x1), (1, y0), (1, y1)):
-        near = np.abs(points[:, axis] - wall) < reach
-        image = points[near].copy()
-        image[:, axis] = 2.0 * wall - image[:, axis]
-        images.append(image)
-        owners.append(owner[near])
-    nodes, owned = np.unique(np.concatenate(images), axis=0, return_index=True)
-    owned = np.concatenate(owners)[owned]
-    corners = Delaunay(nodes).simplices
-    middle = nodes[corners].mean(axis=1)
-    inside = (middle[:, 0] > x0) & (middle[:, 0] < x1) & (middle[:, 1] > y0) & (middle[:, 1] < y1)
-    corners, middle = corners[inside], middle[inside]
-    alone = np.flatnonzero((owned[corners] == owned[corners[:, :1]]).all(axis=1))
-    solid = np.zeros(len(corners), dtype=bool)
-    same = shapely.contains(shapes[owned[corners[alone, 0]]], shapely.points(middle[alone]))
-    solid[alone] = same
-    corners = corners[~solid]
-    a, b, c = nodes[corners[:, 0]], nodes[corners[:, 1]], nodes[corners[:, 2]]
-    area = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-    sides = np.hypot(*(b - a).T) * np.hypot(*(c - b).T) * np.hypot(*(a - c).T)
-    # circumdiameter = product of the sides / (2 area), so area / diameter^2 = 4 area^3 / product^2
-    triangles = MESH_FACTOR * across**2 / 0.433 * 4.0 * area**3 / sides**2
-    who = np.sort(owned[corners], axis=1)
-    two = (who[:, 0] != who[:, 2]) & ((who[:, 0] == who[:, 1]) | (who[:, 1] == who[:, 2]))
-    pairs, index = np.unique(who[two][:, [0, 2]], axis=0, return_inverse=True)
-    cost = np.bincount(index.ravel(), weights=triangles[two], minlength=len(pairs)).astype(np.float64)
-    return MeshCost(float(triangles.sum()), pairs.astype(np.int32), cost)
-
-
-def merge_dearest(
-    shapes: Shapes, box: shapely.Polygon, cost: MeshCost, budget: float, radius: float, width: float, allowed: int
-) -> tuple[Shapes, list[tuple[int, ...]]]:
-    """Merge the pillars beside the dearest passages until the expected mesh fits the budget.
+    Strategy: outlines cut into pieces, their nodes triangulated without a node inside the fluid; each triangle then
+    lies in a passage of two bodies, in a junction of three or in a hollow of one. Only neighbours are measured exactly.
 
     Parameters
     ----------
-    shapes : ndarray of shapely.Polygon, shape (p,)
-        Pillars.
-    box : shapely.Polygon
-        Tissue box.
-    cost : MeshCost
-        Of these pillars.
-    budget : float
-        Triangles allowed.
-    radius : float
-        First closing radius (model length); grows until the union is one part.
-    width : float
-        Tubule width that a merged pillar keeps from all others (model length).
-    allowed : int
-        Merges allowed.
+    pillars : sequence of ndarray of float64, shape (k_i, 2)
+        Counter-clockwise, simple, disjoint, inside the outer outline (model length).
+    outer : ndarray of float64, shape (k, 2)
+        Outer outline, counter-clockwise (model length).
+    sides : sequence of k str
+        Name of each segment of the outer outline.
+    edge_length : float
+        Plain edge length of the mesh that is predicted (model length).
+    across : float
+        Triangles wanted across every passage of it.
 
     Returns
     -------
-    shapes : ndarray of shapely.Polygon
-        Pillars after merging.
-    groups : list of tuple of int
-        For each of them the given pillars it is made of.
+    Passages
 
-    Notes
-    -----
-    A merge that would cover more than a tenth of the box, or come too close to a third pillar, is passed over.
+    Raises
+    ------
+    ComputationError
+        When outlines are so close that they cannot be triangulated.
     """
-    current = list(shapes)
-    group = [{index} for index in range(len(shapes))]
-    home = list(range(len(shapes)))
-    expected, merges = cost.total, 0
-    limit = LARGEST_CLUSTER * box.area
-    for row in np.argsort(-cost.cost, kind="stable"):
-        if expected <= budget or merges >= allowed:
-            break
-        i, j = sorted((home[cost.pairs[row, 0]], home[cost.pairs[row, 1]]))
-        if i == j:
-            expected -= cost.cost[row]
-            continue
-        if current[i].area + current[j].area > limit:
-            continue
-        merged = _closed_union(current[i], current[j], radius)
-        others = np.array([shape for k, shape in enumerate(current) if k not in (i, j) and group[k]], dtype=object)
-        if len(others) and float(np.min(shapely.distance(others, merged))) < 0.98 * width:
-            continue
-        current[i], group[i], group[j] = merged, group[i] | group[j], set()
-        home = [i if place == j else place for place in home]
-        expected -= cost.cost[row]
-        merges += 1
-    kept = [index for index in range(len(shapes)) if group[index]]
-    return np.array([current[k] for k in kept], dtype=object), [tuple(sorted(group[k])) for k in kept]
+    names = tuple(sorted(set(sides)))
+    rings = [pillar[::-1] for pillar in pillars] + [outer]
+    counts = np.array([len(ring) for ring in rings])
+    starts = np.concatenate(rings)
+    ends = starts[following(counts)]
+    label = np.repeat(np.arange(len(rings), dtype=np.int32), counts)
+    label[label == len(pillars)] += np.array([names.index(side) for side in sides], dtype=np.int32)
+    steps = ends - starts
+    lengths = np.hypot(steps[:, 0], steps[:, 1])
+    pieces = np.maximum(np.ceil(lengths / edge_length - 1e-9), 1.0).astype(np.int64)
+    segment = np.repeat(np.arange(len(starts)), pieces)
+    share = (np.arange(len(segment)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[segment]
+    points = starts[segment] + share[:, None] * steps[segment]
+    after = following(np.add.reduceat(pieces, np.cumsum(counts) - counts))
+    edges = np.column_stack((np.arange(len(points)), after)).astype(np.int32)
+    triangles, neighbours = fluid_triangles(points, edges)
 
+    one, two, apex = sort_triangles(triangles, neighbours, label[segment])
+    mesh = points, after, triangles, neighbours, apex, lengths[segment], pieces[segment] == 1, edge_length
+    unrefined = expected_triangles(*mesh, BASE_LAYERS, GRADING)
+    expected = expected_triangles(*mesh, float(across), GRADING) if across > BASE_LAYERS else unrefined
 
-def _closed_union(one: shapely.Polygon, two: shapely.Polygon, radius: float) -> shapely.Polygon:
-    """Close the union of two polygons with a growing radius until it is one part; enclosed fluid is filled."""
-    union = shapely.union(one, two)
-    closing = radius
-    while True:
-        shape = shapely.buffer(shapely.buffer(union, closing), -closing)
-        if shapely.get_num_geometries(shape) == 1:
-            return largest_part(shape)
-        closing *= 1.5
+    bodies = len(pillars) + len(names)
+    mine = np.flatnonzero((one >= 0) & (one < len(pillars)))
+    numbers, row = np.unique(one[mine].astype(np.int64) * bodies + two[mine], return_inverse=True)
+    pairs = np.column_stack(np.divmod(numbers, bodies)).astype(np.int32)
+    order = np.argsort(label, kind="stable")
+    first = np.searchsorted(label[order], np.arange(bodies + 1))
+    facing = narrowest_ways(pairs, np.hstack((starts, ends))[order], first)
+    width = np.hypot(*(facing[:, 1] - facing[:, 0]).T)
+    corner = np.arange(len(mine))[:, None], (apex[mine, None] + np.arange(3)) % 3
+    tip, left, right = np.moveaxis(points[triangles[mine][corner]], 1, 0)
+    base, height = right - left, tip - left
+    area = 0.5 * (base[:, 0] * height[:, 1] - base[:, 1] * height[:, 0])
+
+    def summed(values: Floats) -> Floats:
+        return np.bincount(row, weights=values, minlength=len(pairs)).astype(np.float64)
+
+    length = summed(0.5 * np.hypot(base[:, 0], base[:, 1]))
+    return Passages(
+        bodies=np.where(pairs < len(pillars), pairs, np.int32(len(pillars) - 1) - pairs),
+        width=width,
+        place=facing.mean(axis=1),
+        facing=facing,
+        length=length,
+        mean_width=summed(area) / length,
+        triangles=summed(expected[mine]),
+        refinement=summed((expected - unrefined)[mine]),
+        total=float(expected.sum()),
+        edge_length=float(edge_length),
+        across=float(across),
+        sides=names,
+    )

@@ -6,17 +6,15 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
-import shapely
 
-from vasculo.geometry.neighbours import as_polygons, pillar_gaps
-from vasculo.plexus.clearing import neighbour_gaps, wall_gaps
 from vasculo.plexus.width import FIRST_STEP
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.geometry.domain import Domain
-    from vasculo.plexus.clearing import Cleared
+    from vasculo.plexus.budget import Fitted
+    from vasculo.plexus.rules import Near
     from vasculo.plexus.survey import Survey
 
 FEW_PILLARS = 20
@@ -65,13 +63,18 @@ class ExtractionReport:
     split_voids, cut_pairs, halved_outlines : int
         Voids that fell into pieces (largest kept); pairs cut apart after widening; outlines with a finer spacing.
     merged : int
-        Passages removed by merging their two pillars, to meet the budget of triangles.
+        Pillars that became part of another one, to meet the budget of triangles.
+    passages, refined_passages : int
+        Pairs of neighbouring pillars; those too narrow for their triangles across at the plain edge length, where the
+        mesh is finer.
+    widened_passages : int
+        Pairs of voids closer than w before widening.
     tubule_width, tubule_width_l0 : float
         Narrowest tubule w (model length, and in L0).
     width_from : str
-        "given", "fluid fraction", "lower limit", "upper limit" or "budget".
-    narrow_passages : int
-        Pairs of voids closer than w before widening.
+        "lumen width", "minimum width", "fluid fraction", "lower limit", "upper limit" or "budget".
+    first_width_l0 : float
+        Tubule width before it was widened to meet the budget.
     narrowest_before_l0, narrowest_after_l0, wall_gap_l0 : float
         Narrowest gap between voids, between pillars, and between a pillar and the frame (infinite for one pillar).
     fluid_fraction : float
@@ -82,8 +85,8 @@ class ExtractionReport:
         R0 and L0 (model length).
     tallest_pillar : float
         Height of the tallest pillar over the height of the domain.
-    predicted_triangles : int
-        Expected size of the flow mesh.
+    predicted_triangles, refinement_triangles : int
+        Expected size of the flow mesh, and what of it the refinement of passages between pillars adds.
     ray_agreement, ray_agreement_share : float
         Median overlap of outlines with the paper's ray polygons; share of the voids above 0.95.
     notes : tuple of str
@@ -117,10 +120,13 @@ class ExtractionReport:
     cut_pairs: int
     halved_outlines: int
     merged: int
+    passages: int
+    refined_passages: int
+    widened_passages: int
     tubule_width: float
     tubule_width_l0: float
     width_from: str
-    narrow_passages: int
+    first_width_l0: float
     narrowest_before_l0: float
     narrowest_after_l0: float
     wall_gap_l0: float
@@ -130,6 +136,7 @@ class ExtractionReport:
     length_unit: float
     tallest_pillar: float
     predicted_triangles: int
+    refinement_triangles: int
     ray_agreement: float
     ray_agreement_share: float
     notes: tuple[str, ...]
@@ -143,30 +150,29 @@ class ExtractionReport:
 
 def make_report(
     found: Survey,
-    cleared: Cleared,
-    domain: Domain,
-    raw: NDArray[np.object_],
+    fitted: Fitted,
+    near: Near,
     agreement: NDArray[np.float64],
+    domain: Domain,
     *,
-    width: float,
+    first_width: float,
     source: str,
-    halved: int,
-    triangles: float,
     invalid: int,
 ) -> ExtractionReport:
     """Gather the report from the pieces of an extraction (lengths in model length, turned into L0 here)."""
-    unit = found.length_unit
-    box = shapely.box(*found.bounds)
-    pillars = as_polygons(domain.pillars)
-    before = neighbour_gaps(raw, width)
-    after = float(pillar_gaps(domain.pillars).min())
-    heights = shapely.bounds(pillars)[:, 3] - shapely.bounds(pillars)[:, 1]
-    fluid = 1.0 - float(shapely.area(pillars).sum()) / box.area
-    tallest = float(heights.max()) / (found.bounds[3] - found.bounds[1])
+    unit, width, cleared, passages = found.length_unit, fitted.width, fitted.cleared, fitted.layout.passages
+    x0, y0, x1, y1 = found.bounds
+    low = np.array([outline.min(axis=0) for outline in domain.pillars])
+    high = np.array([outline.max(axis=0) for outline in domain.pillars])
+    before = near.gap[near.gap < width]
+    inner = passages.between_pillars
+    solid = float(domain.pillar_areas.sum())
+    fluid = 1.0 - solid / ((x1 - x0) * (y1 - y0))
+    tallest = float((high - low)[:, 1].max()) / (y1 - y0)
     agreeing = float(np.mean(agreement > AGREEMENT))
-    radius = domain.mean_radius
+    radius, count = domain.mean_radius, len(domain.pillars)
     checks = {
-        f"only {len(pillars)} pillars (fewer than {FEW_PILLARS})": len(pillars) < FEW_PILLARS,
+        f"only {count} pillars (fewer than {FEW_PILLARS})": count < FEW_PILLARS,
         f"fluid fraction {fluid:.3g} outside {FLUID_RANGE[0]} to {FLUID_RANGE[1]}": not FLUID_RANGE[0]
         <= fluid
         <= FLUID_RANGE[1],
@@ -179,27 +185,31 @@ def make_report(
         **found.counts,
         voids=len(found.voids),
         invalid_outlines=invalid,
-        pillars=len(pillars),
+        pillars=count,
         dropped_small=cleared.small,
         dropped_vanished=cleared.vanished,
         dropped_nested=cleared.nested,
         split_voids=cleared.split,
         cut_pairs=cleared.cut,
-        halved_outlines=halved,
-        merged=len(cleared.shapes) - len(pillars),
+        halved_outlines=fitted.layout.halved,
+        merged=len(cleared.shapes) - count,
+        passages=int(np.count_nonzero(inner)),
+        refined_passages=int(np.count_nonzero(inner & passages.refined)),
+        widened_passages=len(before),
         tubule_width=width,
         tubule_width_l0=width / unit,
         width_from=source,
-        narrow_passages=len(before),
-        narrowest_before_l0=float(before[0]) / unit if len(before) else width / unit,
-        narrowest_after_l0=after / unit,
-        wall_gap_l0=float(wall_gaps(pillars, box).min()) / unit,
+        first_width_l0=first_width / unit,
+        narrowest_before_l0=float(before.min()) / unit if len(before) else width / unit,
+        narrowest_after_l0=float(passages.width[inner].min(initial=np.inf)) / unit,
+        wall_gap_l0=float(min((low - (x0, y0)).min(), ((x1, y1) - high).min())) / unit,
         fluid_fraction=fluid,
-        void_area_kept=float(shapely.area(pillars).sum() / sum(void.area for void in found.voids)),
+        void_area_kept=solid / sum(void.area for void in found.voids),
         mean_radius=radius,
         length_unit=unit,
         tallest_pillar=tallest,
-        predicted_triangles=round(triangles),
+        predicted_triangles=round(passages.total),
+        refinement_triangles=round(float(passages.refinement[inner].sum())),
         ray_agreement=float(np.median(agreement)),
         ray_agreement_share=agreeing,
         notes=tuple(text for text, applies in checks.items() if applies),

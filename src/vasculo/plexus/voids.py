@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     Ints = NDArray[np.int32]
     Floats = NDArray[np.float64]
+    Flags = NDArray[np.bool_]
 
 VOID_CUTOFF = 10.0
 """A face is a void when its area exceeds this many mean initial triangles (dimensionless, ours)."""
@@ -32,7 +33,9 @@ VOID_CUTOFF = 10.0
 
 @dataclass(frozen=True)
 class InteriorEdges:
-    """The interior edges of a triangulation, sorted by their lower node: what `faces` needs, made once.
+    """The interior edges of a triangulation, sorted by lower and then higher node: what `faces` needs, made once.
+
+    Half-edge 3 t + k runs from corner k of triangle t to its next corner.
 
     Attributes
     ----------
@@ -41,7 +44,7 @@ class InteriorEdges:
     high : ndarray of int32, shape (e,)
         Higher node of each edge.
     first, second : ndarray of int32, shape (e,)
-        The two triangles beside each edge.
+        The two half-edges of each edge, the smaller first.
     """
 
     start: Ints
@@ -50,16 +53,67 @@ class InteriorEdges:
     second: Ints
 
 
+@njit(cache=True, error_model="numpy")
+def _edges(triangles, nodes):  # type: ignore[no-untyped-def]
+    """Tables as in `InteriorEdges`, of all edges; the second half-edge is -1 where there is none, -2 with a third one.
+
+    Strategy: sort the half-edges into one row a lower node by counting, and each short row by insertion, so that the
+    half-edges of one edge lie side by side, the smaller first.
+    """
+    corners = triangles.ravel()
+    count = corners.size
+    start = np.zeros(nodes + 1, dtype=np.int32)
+    for half in range(count):
+        start[min(corners[half], corners[half + 1 if half % 3 < 2 else half - 2]) + 1] += 1
+    for node in range(nodes):
+        start[node + 1] += start[node]
+    place = start[:-1].copy()
+    tops, halves = np.empty(count, dtype=np.int32), np.empty(count, dtype=np.int32)
+    for half in range(count):
+        tail, head = corners[half], corners[half + 1 if half % 3 < 2 else half - 2]
+        low, top = min(tail, head), max(tail, head)
+        row = place[low]
+        place[low] += 1
+        while row > start[low] and tops[row - 1] > top:
+            tops[row], halves[row] = tops[row - 1], halves[row - 1]
+            row -= 1
+        tops[row], halves[row] = top, half
+    edge, first_row = -1, 0
+    second = np.empty(count, dtype=np.int32)
+    for node in range(nodes):
+        last_row, start[node] = start[node + 1], edge + 1
+        for row in range(first_row, last_row):
+            if row == first_row or tops[row] != tops[edge]:
+                edge += 1
+                tops[edge], halves[edge], second[edge] = tops[row], halves[row], -1
+            else:
+                second[edge] = halves[row] if second[edge] == -1 else -2
+        first_row = last_row
+    start[nodes] = edge + 1
+    return start, tops[: edge + 1], halves[: edge + 1], second[: edge + 1]
+
+
+def _edges_plain(triangles: Ints, nodes: int) -> tuple[Ints, Ints, Ints, Ints]:
+    """NumPy twin of `_edges`."""
+    tails, heads = triangles.ravel().astype(np.int64), triangles[:, (1, 2, 0)].ravel().astype(np.int64)
+    keys = np.minimum(tails, heads) * nodes + np.maximum(tails, heads)
+    order = np.argsort(keys, kind="stable")
+    edge, row, uses = np.unique(keys[order], return_index=True, return_counts=True)
+    other = order[np.minimum(row + 1, len(order) - 1)]
+    second = np.where(uses == 1, -1, np.where(uses == 2, other, -2))
+    start = np.searchsorted(edge // nodes, np.arange(nodes + 1))
+    tables = start, edge % nodes, order[row], second
+    return tuple(table.astype(np.int32) for table in tables)  # type: ignore[return-value]
+
+
 def triangle_edges(triangles: Ints, nodes: int) -> Ints:
     """Edges (e, 2) of triangles (t, 3), each once, the lower node first, in order."""
-    pairs = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    keys = np.sort(pairs.min(axis=1).astype(np.int64) * nodes + pairs.max(axis=1))
-    keys = keys[np.append(True, keys[1:] != keys[:-1])]  # np.unique is several times slower here
-    return np.stack([keys // nodes, keys % nodes], axis=1).astype(np.int32)
+    start, high, _, _ = _edges(np.ascontiguousarray(triangles, dtype=np.int32), nodes)
+    return np.stack([_lows(start), high], axis=1)
 
 
 def interior_edges(triangles: Ints, nodes: int) -> InteriorEdges:
-    """Find the interior edges of a triangulation and the two triangles beside each.
+    """Find the interior edges of a triangulation and the two half-edges of each.
 
     Parameters
     ----------
@@ -78,44 +132,67 @@ def interior_edges(triangles: Ints, nodes: int) -> InteriorEdges:
     InputError
         When an edge belongs to more than two triangles, or a triangle names a node that does not exist.
     """
-    corners = np.asarray(triangles, dtype=np.int64).reshape(-1, 3)
+    return all_edges(triangles, nodes)[0]
+
+
+def all_edges(triangles: Ints, nodes: int) -> tuple[InteriorEdges, Ints]:
+    """Interior edges and, as node pairs (e, 2), all edges of a triangulation; see both functions of these names."""
+    corners = np.asarray(triangles).reshape(-1, 3)
     if corners.size and (corners.min() < 0 or corners.max() >= nodes):
         raise InputError(f"triangles name nodes {corners.min()} to {corners.max()}, but there are {nodes} nodes")
-    tails = corners.ravel()
-    heads = corners[:, (1, 2, 0)].ravel()
-    keys = np.minimum(tails, heads) * nodes + np.maximum(tails, heads)
-    order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    owners = (order // 3).astype(np.int32)
-    same = keys[1:] == keys[:-1]
-    if np.any(same[1:] & same[:-1]):
-        edge = int(keys[1:-1][same[1:] & same[:-1]][0])
-        raise InputError(
-            f"the edge between nodes {edge // nodes} and {edge % nodes} belongs to three triangles or more"
-        )
-    rows = np.flatnonzero(same)
-    start = np.searchsorted(keys[rows] // nodes, np.arange(nodes + 1)).astype(np.int32)
-    return InteriorEdges(start, (keys[rows] % nodes).astype(np.int32), owners[rows], owners[rows + 1])
+    start, high, first, second = _edges(np.ascontiguousarray(corners, dtype=np.int32), nodes)
+    low = _lows(start)
+    if second.min(initial=0) < -1:
+        edge = int(np.argmin(second))
+        raise InputError(f"the edge between nodes {low[edge]} and {high[edge]} belongs to three triangles or more")
+    inner = second >= 0
+    start = np.concatenate([[0], np.cumsum(inner)])[start].astype(np.int32)
+    return InteriorEdges(start, high[inner], first[inner], second[inner]), np.stack([low, high], axis=1)
+
+
+def _lows(start: Ints) -> Ints:
+    """Lower node of each edge of a table."""
+    return np.repeat(np.arange(len(start) - 1, dtype=np.int32), np.diff(start))
 
 
 @njit(cache=True, error_model="numpy")
-def _join(start, high, first, second, springs, labels):  # type: ignore[no-untyped-def]
-    """Label triangles by the face they belong to; overwrites labels with 0, 1, ... in order of first appearance.
-
-    Strategy: mark the edges that carry a living spring (a short scan among the edges of the lower node), join the
-    two triangles of every unmarked edge by union-find with the smaller root on top, then number the roots.
-    """
-    intact = np.zeros(high.size, dtype=np.uint8)
+def _mark(start, high, springs, intact):  # type: ignore[no-untyped-def]
+    """Mark the edges that carry a spring; overwrites intact (e,), which starts as zero."""
     for row in range(springs.shape[0]):
         low, top = min(springs[row, 0], springs[row, 1]), max(springs[row, 0], springs[row, 1])
         for edge in range(start[low], start[low + 1]):
             if high[edge] == top:
-                intact[edge] = 1
-    for triangle in range(labels.size):
-        labels[triangle] = triangle
-    for edge in range(high.size):
-        if intact[edge] == 0:
-            a, b = first[edge], second[edge]
+                intact[edge] = True
+
+
+def _mark_plain(start: Ints, high: Ints, springs: NDArray[np.integer], intact: Flags) -> None:
+    """NumPy twin of `_mark`."""
+    nodes = np.int64(start.size - 1)
+    living = springs.min(axis=1).astype(np.int64) * nodes + springs.max(axis=1)
+    intact[:] = np.isin(_lows(start) * nodes + high, living)
+
+
+@njit(cache=True, error_model="numpy")
+def join(one, two, apart, labels):  # type: ignore[no-untyped-def]
+    """Give numbers to the groups that pairs make of items; returns how many.
+
+    Overwrites labels (k,) with the group of each item, 0, 1, ... in order of first appearance.
+
+    Parameters
+    ----------
+    one, two : ndarray of int32, shape (p,)
+        Pairs of items.
+    apart : ndarray of bool, shape (p,)
+        Pairs that join nothing.
+    labels : ndarray of int32, shape (k,)
+
+    Strategy: union-find with the smaller root on top, then number the roots.
+    """
+    for item in range(labels.size):
+        labels[item] = item
+    for pair in range(one.size):
+        if not apart[pair]:
+            a, b = one[pair], two[pair]
             while labels[a] != a:
                 labels[a] = labels[labels[a]]
                 a = labels[a]
@@ -128,28 +205,32 @@ def _join(start, high, first, second, springs, labels):  # type: ignore[no-untyp
                 labels[a] = b
     # A parent is never larger than its child, so every parent is already numbered when its child is reached.
     count = 0
-    for triangle in range(labels.size):
-        if labels[triangle] == triangle:
-            labels[triangle] = count
+    for item in range(labels.size):
+        if labels[item] == item:
+            labels[item] = count
             count += 1
         else:
-            labels[triangle] = labels[labels[triangle]]
+            labels[item] = labels[labels[item]]
     return count
 
 
-def _join_plain(start: Ints, high: Ints, first: Ints, second: Ints, springs: NDArray[np.integer], labels: Ints) -> int:
-    """NumPy and SciPy twin of `_join`."""
-    nodes = np.int64(start.size - 1)
-    low = np.repeat(np.arange(nodes), np.diff(start))
-    living = springs.min(axis=1).astype(np.int64) * nodes + springs.max(axis=1)
-    broken = ~np.isin(low * nodes + high, living)
-    graph = coo_array((np.ones(int(broken.sum())), (first[broken], second[broken])), shape=(labels.size, labels.size))
+def join_plain(one: Ints, two: Ints, apart: Flags, labels: Ints) -> int:
+    """NumPy and SciPy twin of `join`."""
+    pairs = one[~apart], two[~apart]
+    graph = coo_array((np.ones(len(pairs[0])), pairs), shape=(labels.size, labels.size))
     count, groups = connected_components(graph, directed=False)
     _, appearance = np.unique(groups, return_index=True)
     rank = np.empty(count, dtype=np.int32)
     rank[np.argsort(appearance)] = np.arange(count, dtype=np.int32)
     labels[:] = rank[groups]
     return int(count)
+
+
+def intact_edges(edges: InteriorEdges, springs: NDArray[np.integer]) -> Flags:
+    """Whether each interior edge (e,) carries one of the living springs (m, 2), which come in any order."""
+    intact = np.zeros(len(edges.high), dtype=np.bool_)
+    _mark(edges.start, edges.high, np.ascontiguousarray(springs, dtype=np.int32).reshape(-1, 2), intact)
+    return intact
 
 
 def faces(triangles: Ints, springs: Ints, nodes: int, edges: InteriorEdges | None = None) -> Ints:
@@ -172,10 +253,37 @@ def faces(triangles: Ints, springs: Ints, nodes: int, edges: InteriorEdges | Non
         Face of each triangle, 0 ... f - 1 in order of first appearance.
     """
     table = interior_edges(triangles, nodes) if edges is None else edges
-    labels = np.empty(len(triangles), dtype=np.int32)
-    living = np.ascontiguousarray(springs, dtype=np.int32).reshape(-1, 2)
-    _join(table.start, table.high, table.first, table.second, living, labels)
+    return joined(table, intact_edges(table, springs), len(triangles))
+
+
+def joined(edges: InteriorEdges, intact: Flags, triangles: int) -> Ints:
+    """Face of each triangle, as `faces`, from the interior edges (e,) that are intact."""
+    labels = np.empty(triangles, dtype=np.int32)
+    join(edges.first // 3, edges.second // 3, intact, labels)
     return labels
+
+
+@njit(cache=True, error_model="numpy")
+def _signed_areas(triangles, points, reference, box, areas):  # type: ignore[no-untyped-def]
+    """Signed areas of triangles; overwrites areas (t,). As `triangle_areas`, with infinite periods for no box."""
+    for t in range(triangles.shape[0]):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        bx, by = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
+        cx, cy = points[c, 0] - points[a, 0], points[c, 1] - points[a, 1]
+        if np.isfinite(box[0]):
+            bx -= np.rint((reference[b, 0] - reference[a, 0]) / box[0]) * box[0]
+            cx -= np.rint((reference[c, 0] - reference[a, 0]) / box[0]) * box[0]
+        if np.isfinite(box[1]):
+            by -= np.rint((reference[b, 1] - reference[a, 1]) / box[1]) * box[1]
+            cy -= np.rint((reference[c, 1] - reference[a, 1]) / box[1]) * box[1]
+        areas[t] = 0.5 * (bx * cy - cx * by)
+
+
+def _signed_areas_plain(triangles: Ints, points: Floats, reference: Floats, box: Floats, areas: Floats) -> None:
+    """NumPy twin of `_signed_areas`."""
+    a, b, c = triangles.T
+    one, two = arms_between(points, a, b, reference, box), arms_between(points, a, c, reference, box)
+    areas[:] = 0.5 * (one[:, 0] * two[:, 1] - two[:, 0] * one[:, 1])
 
 
 def triangle_areas(
@@ -198,13 +306,11 @@ def triangle_areas(
     -------
     ndarray of float64, shape (t,)
     """
-    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
-    xa, ya = x[a], y[a]
-    if box is None or reference is None:
-        return np.asarray(0.5 * ((x[b] - xa) * (y[c] - ya) - (x[c] - xa) * (y[b] - ya)))
-    one, two = arms_between(points, a, b, reference, box), arms_between(points, a, c, reference, box)
-    return np.asarray(0.5 * (one[:, 0] * two[:, 1] - two[:, 0] * one[:, 1]))
+    period = np.full(2, np.inf) if box is None or reference is None else np.asarray(box, dtype=np.float64)
+    areas = np.empty(len(triangles))
+    corners = np.ascontiguousarray(triangles, dtype=np.int32)
+    _signed_areas(corners, points, points if reference is None else reference, period, areas)
+    return areas
 
 
 def face_areas(
