@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
 from vasculo.geometry.curve import curve_order
-from vasculo.mesh.delaunay import delaunay, fluid_triangles
-from vasculo.mesh.flips import restore_delaunay
+from vasculo.mesh.triangulate.delaunay import delaunay, fluid_triangles
+from vasculo.mesh.triangulate.flips import restore_delaunay
 
 try:
     import triangle

@@ -12,8 +12,8 @@ from mesh import plexus
 from vasculo.errors import InputError
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.generate import generate_mesh
-from vasculo.mesh.repair import repair_mesh
-from vasculo.mesh.transfer import transfer
+from vasculo.mesh.repair.repair import repair_mesh
+from vasculo.mesh.repair.transfer import transfer
 from vasculo.mesh.triangulation import Triangulation
 
 CASES = (
@@ -74,16 +74,18 @@ def main() -> None:
         )
         print(f"  {done.moved} moved, {done.inserted} in, {done.deleted} out, {done.flipped} flips, {error:.0e} lost")
         print(f"  quality (mean, 1 %, least) before {shape(mesh)}; repaired {shape(done.mesh)}; anew {shape(fresh)}")
-        remeshed = 0
+        remeshed = light = 0
         for _ in range(moves):
             domain, mesh = after, done.mesh
             after = moved(domain, length, rng)
             done = repair_mesh(mesh, domain, after, edge_length, wall, across=across)
+            light += len(done.mesh.triangles) == len(mesh.triangles)
             remeshed += done.remeshed
         fresh = generate_mesh(after, edge_length, wall, across=across)
         print(
-            f"  after {moves} more moves, {remeshed} of them made anew: {len(done.mesh.triangles)} triangles "
-            f"{shape(done.mesh)}; anew {len(fresh.triangles)} triangles {shape(fresh)}",
+            f"  after {moves} more moves, {light} of them only smoothed, {remeshed} made anew: "
+            f"{len(done.mesh.triangles)} triangles {shape(done.mesh)}; "
+            f"anew {len(fresh.triangles)} triangles {shape(fresh)}",
             flush=True,
         )
 

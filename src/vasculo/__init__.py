@@ -15,9 +15,11 @@ if TYPE_CHECKING:
     from vasculo.flow.stokes import Flow, solve_stokes
     from vasculo.geometry.domain import Domain
     from vasculo.mesh.generate import generate_mesh
+    from vasculo.mesh.repair.repair import repair_mesh
     from vasculo.mesh.triangulation import Triangulation
     from vasculo.pillars.angiogenesis import Angiogenesis, remodel
     from vasculo.plexus.extract import extract_domain
+    from vasculo.plexus.image import ImageExtraction, domain_from_image
     from vasculo.plexus.parameters import Extraction
     from vasculo.springs.network import SpringNetwork
     from vasculo.store.read import open_run
@@ -33,6 +35,7 @@ _HOMES = {
     "Domain": "geometry.domain",
     "Extraction": "plexus.parameters",
     "Flow": "flow.stokes",
+    "ImageExtraction": "plexus.image",
     "InputError": "errors",
     "Periodic": "flow.boundary",
     "Pressure": "flow.boundary",
@@ -42,12 +45,14 @@ _HOMES = {
     "Vasculogenesis": "tissue.vasculogenesis",
     "Velocity": "flow.boundary",
     "Wall": "flow.boundary",
+    "domain_from_image": "plexus.image",
     "extract_domain": "plexus.extract",
     "generate_mesh": "mesh.generate",
     "grow_plexus": "tissue.vasculogenesis",
     "lattice": "tissue.lattice",
     "open_run": "store.read",
     "remodel": "pillars.angiogenesis",
+    "repair_mesh": "mesh.repair.repair",
     "run": "study.run",
     "solve_stokes": "flow.stokes",
 }
@@ -58,6 +63,7 @@ __all__ = [
     "Domain",
     "Extraction",
     "Flow",
+    "ImageExtraction",
     "InputError",
     "Periodic",
     "Pressure",
@@ -67,6 +73,7 @@ __all__ = [
     "Vasculogenesis",
     "Velocity",
     "Wall",
+    "domain_from_image",
     "extract_domain",
     "generate_mesh",
     "grow_plexus",
@@ -74,6 +81,7 @@ __all__ = [
     "measure",
     "open_run",
     "remodel",
+    "repair_mesh",
     "run",
     "solve_stokes",
 ]

@@ -9,8 +9,8 @@ from scipy.spatial import Delaunay
 
 from vasculo.errors import ComputationError, InputError
 from vasculo.geometry.predicates import incircle, incircle_plain, orient2d
-from vasculo.mesh.delaunay import delaunay, fluid_triangles
-from vasculo.mesh.delaunay_plain import delaunay_plain, fluid_triangles_plain
+from vasculo.mesh.triangulate.delaunay import delaunay, fluid_triangles
+from vasculo.mesh.triangulate.plain import delaunay_plain, fluid_triangles_plain
 from vasculo.mesh.triangulation import adjacency
 
 KINDS = ["random", "clustered", "line and one", "grid", "circle", "two lines", "spiral", "turned grid"]

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from vasculo.geometry.predicates import orient2d
-from vasculo.mesh.delaunay_walls import MISSING, any_triangle, find_edge, recover_edges
-from vasculo.mesh.flips import around, flip, restore_delaunay
 from vasculo.mesh.quality import signed_areas
+from vasculo.mesh.triangulate.flips import around, flip, restore_delaunay
+from vasculo.mesh.triangulate.walls import MISSING, any_triangle, find_edge, recover_edges
 from vasculo.mesh.triangulation import adjacency
 
 

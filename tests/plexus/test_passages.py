@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vasculo.geometry.domain import Domain
-from vasculo.mesh.delaunay import fluid_triangles
+from vasculo.mesh.triangulate.delaunay import fluid_triangles
 from vasculo.mesh.walls import walls_of
 from vasculo.plexus.merging import closed_union, merge_dearest
 from vasculo.plexus.passage_kernels import expected_triangles, narrowest_ways, sort_triangles, wall_sizes

@@ -102,7 +102,15 @@ class Domain:
     @cached_property
     def pillar_areas(self) -> NDArray[np.float64]:
         """Area of each pillar; (p,) float64, model length squared."""
-        return np.array([signed_area(pillar) for pillar in self.pillars], dtype=np.float64)
+        if not self.pillars:
+            return np.empty(0)
+        counts = np.array([len(pillar) for pillar in self.pillars])
+        first = np.cumsum(counts) - counts
+        nodes = np.concatenate(self.pillars)
+        x, y = (nodes - np.repeat(nodes[first], counts, axis=0)).T
+        after = np.arange(len(nodes)) + 1
+        after[first + counts - 1] = first
+        return np.asarray(0.5 * np.add.reduceat(x * y[after] - x[after] * y, first))
 
     @property
     def area(self) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from vasculo.mesh.delaunay import delaunay
+from vasculo.mesh.triangulate.delaunay import delaunay
 
 if TYPE_CHECKING:
     from vasculo.geometry.arrays import Flags, Floats, Longs

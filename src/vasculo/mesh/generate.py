@@ -10,15 +10,15 @@ from vasculo.errors import ComputationError, InputError
 from vasculo.geometry.curve import curve_order
 from vasculo.geometry.outline import is_number
 from vasculo.mesh.charges import MOST_CHARGES, relax_charges
-from vasculo.mesh.delaunay import fluid_triangles
 from vasculo.mesh.draft import Draft
-from vasculo.mesh.flips import retriangulate
 from vasculo.mesh.improve import smooth_draft
 from vasculo.mesh.placement import interior_nodes
 from vasculo.mesh.predict import predicted_triangles
 from vasculo.mesh.size import size_field, with_wall_edges
 from vasculo.mesh.snap import snap_to_walls
 from vasculo.mesh.subdivide import wall_nodes
+from vasculo.mesh.triangulate.delaunay import fluid_triangles
+from vasculo.mesh.triangulate.flips import retriangulate
 from vasculo.mesh.triangulation import Triangulation
 from vasculo.mesh.truss import relax_truss
 from vasculo.mesh.walls import walls_of
@@ -109,7 +109,7 @@ def generate_mesh(
     """
     wall = edge_length if wall_edge_length is None else wall_edge_length
     rounds = _rounds(method, iterations)
-    _check_numbers(edge_length, wall, across, curvature, grading, max_triangles)
+    check_numbers(edge_length, wall, across, curvature, grading, max_triangles)
     low_x, low_y, high_x, high_y = domain.bounds
     if edge_length > (longest := float(np.hypot(high_x - low_x, high_y - low_y))):
         raise InputError(
@@ -136,7 +136,9 @@ def generate_mesh(
         smooth_draft(draft)
         retriangulate(draft)
     tags = walls.tags[draft.segment]
-    mesh = Triangulation(draft.points, draft.triangles, draft.edges, tags, domain.side_names, draft.neighbours)
+    mesh = Triangulation(
+        draft.points, draft.triangles, draft.edges, tags, domain.side_names, draft.neighbours, draft.sizes
+    )
     covered = float(mesh.areas.sum())
     if not abs(covered - domain.area) <= AREA_ROUNDING * domain.area:
         raise ComputationError(
@@ -157,7 +159,7 @@ def _rounds(method: str, iterations: int | None) -> int:
     return int(iterations) if method != "advancing" else 0
 
 
-def _check_numbers(
+def check_numbers(
     edge_length: float, wall: float, across: float, curvature: float, grading: float, max_triangles: int
 ) -> None:
     """Refuse numbers out of range."""

@@ -8,15 +8,15 @@ import numpy as np
 
 from vasculo.errors import InputError
 from vasculo.geometry.curve import curve_order
-from vasculo.mesh.delaunay import fluid_triangles
 from vasculo.mesh.draft import Draft
-from vasculo.mesh.flips import retriangulate
 from vasculo.mesh.generate import check_count, check_narrowest
 from vasculo.mesh.improve import smooth_draft
 from vasculo.mesh.passages import passages_of
 from vasculo.mesh.placement import interior_nodes
 from vasculo.mesh.size import level_field
 from vasculo.mesh.subdivide import wall_nodes
+from vasculo.mesh.triangulate.delaunay import fluid_triangles
+from vasculo.mesh.triangulate.flips import retriangulate
 from vasculo.mesh.truss import relax_truss, unique_edges
 from vasculo.mesh.walls import walls_of
 

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from vasculo.geometry.boxtree import distance_to
+from vasculo.geometry.predicates import orient2d
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -154,37 +155,42 @@ def surroundings(
 
 
 @njit(cache=True, error_model="numpy")
-def cross(segments: Floats, item: int, x: float, y: float, to_x: float, to_y: float) -> bool:
-    """Whether a segment and the way from one place to another meet."""
-    dx = to_x - x
-    dy = to_y - y
-    ax = segments[item, 0] - x
-    ay = segments[item, 1] - y
-    bx = segments[item, 2] - x
-    by = segments[item, 3] - y
-    if (dx * ay - dy * ax) * (dx * by - dy * bx) > 0.0:
-        return False
-    ex = bx - ax
-    ey = by - ay
-    return (ey * ax - ex * ay) * (ey * (ax - dx) - ex * (ay - dy)) <= 0.0
+def meet(ax: float, ay: float, bx: float, by: float, cx: float, cy: float, dx: float, dy: float) -> bool:
+    """Whether the segments a-b and c-d have a point in common."""
+    one = orient2d(ax, ay, bx, by, cx, cy) * orient2d(ax, ay, bx, by, dx, dy)
+    return one <= 0.0 and orient2d(cx, cy, dx, dy, ax, ay) * orient2d(cx, cy, dx, dy, bx, by) <= 0.0
 
 
 @njit(cache=True, error_model="numpy")
-def crosses_wall(
-    grid: NodeGrid,
-    own: int,
-    x: float,
-    y: float,
-    to_x: float,
-    to_y: float,
-    size: float,
-) -> bool:
-    """Whether the way from the middle (x, y) of wall edge `own` to a place in front of it meets another wall edge."""
+def cuts(segments: Floats, item: int, ax: float, ay: float, bx: float, by: float, cx: float, cy: float) -> bool:
+    """Whether a wall edge reaches into the triangle of wall edge a-b and a place c in front of it."""
+    px = segments[item, 0]
+    py = segments[item, 1]
+    qx = segments[item, 2]
+    qy = segments[item, 3]
+    if px == bx and py == by:
+        return orient2d(ax, ay, bx, by, qx, qy) > 0.0 and orient2d(bx, by, cx, cy, qx, qy) > 0.0
+    if qx == ax and qy == ay:
+        return orient2d(ax, ay, bx, by, px, py) > 0.0 and orient2d(cx, cy, ax, ay, px, py) > 0.0
+    if meet(px, py, qx, qy, ax, ay, cx, cy) or meet(px, py, qx, qy, bx, by, cx, cy):
+        return True
+    inside = orient2d(ax, ay, bx, by, px, py) > 0.0 and orient2d(bx, by, cx, cy, px, py) > 0.0
+    return inside and orient2d(cx, cy, ax, ay, px, py) > 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def is_cut(grid: NodeGrid, own: int, x: float, y: float, size: float) -> bool:
+    """Whether another wall edge reaches into the triangle of wall edge `own` and the place (x, y) in front of it."""
     mask = len(grid.table) - 1
-    mx = 0.5 * (x + to_x)
-    my = 0.5 * (y + to_y)
-    # half of the way, and half of the distance between markers
-    radius = 0.85 * size
+    ax = grid.ends[own, 0]
+    ay = grid.ends[own, 1]
+    bx = grid.ends[own, 2]
+    by = grid.ends[own, 3]
+    mx = 0.25 * (ax + bx) + 0.5 * x
+    my = 0.25 * (ay + by) + 0.5 * y
+    # no point of the triangle is farther from there, and half of the distance between markers
+    reach = max((ax - mx) ** 2 + (ay - my) ** 2, (x - mx) ** 2 + (y - my) ** 2)
+    radius = np.sqrt(reach) + 0.5 * MARK * size * (1.0 + grid.slope)
     low = level_of(size * (1.0 - SPREAD * grid.slope), grid.smallest)
     high = level_of(size * (1.0 + SPREAD * grid.slope), grid.smallest)
     for level in range(low, high + 1):
@@ -198,7 +204,7 @@ def crosses_wall(
                 while k >= 0:
                     if grid.given <= k < grid.first:
                         e = grid.owner[k - grid.given]
-                        if e != own and cross(grid.ends, e, x, y, to_x, to_y):
+                        if e != own and cuts(grid.ends, e, ax, ay, bx, by, x, y):
                             return True
                     k = grid.links[k, 0]
     return False

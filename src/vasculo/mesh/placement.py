@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from vasculo.geometry.boxtree import STACK, distance_to, least
-from vasculo.mesh.nearby import CLEAR, NodeGrid, crosses_wall, level_of, markers_on, slot, surroundings
+from vasculo.mesh.nearby import CLEAR, NodeGrid, is_cut, level_of, markers_on, slot, surroundings
 from vasculo.mesh.tight import mark_tight
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ def advance_layers(
         facts[count, 1] = ux
         facts[count, 2] = uy
         if seed:
-            if crosses_wall(grid, tried - 1, x, y, cx, cy, size):
+            if is_cut(grid, tried - 1, cx, cy, size):
                 continue
             facts[count, 1] = HEIGHT * ux - 0.5 * uy
             facts[count, 2] = 0.5 * ux + HEIGHT * uy

@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vasculo.geometry.predicates import orient2d_plain
 from vasculo.mesh.nearby import CLEAR
 from vasculo.mesh.placement import HEIGHT, OFF_WALL
 from vasculo.mesh.size import sizes_at_plain
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from numpy.typing import NDArray
 
     from vasculo.mesh.size import SizeField
@@ -52,7 +55,7 @@ def interior_nodes_plain(
         normal = np.array([-way[1], way[0]]) / np.hypot(*way)
         there = place + HEIGHT * size * normal
         wanted = min(size, _size(field, there))
-        if is_free(there, wanted) and not _blocked(points[edges], row, place, there):
+        if is_free(there, wanted) and not _is_cut(points[edges], row, there):
             nodes.append(there)
             queue.append((there, wanted, float(np.arctan2(normal[1], normal[0])) + np.pi / 6.0, True))
     for place, size, angle, is_seed in queue:
@@ -77,15 +80,26 @@ def _size(field: SizeField, place: NDArray[np.float64]) -> float:
     return float(sizes_at_plain(place[None], tree.segments, tree.weights, field.slope, field.largest)[0])
 
 
-def _blocked(walls: NDArray[np.float64], own: int, start: NDArray[np.float64], end: NDArray[np.float64]) -> bool:
-    """Whether the way from a place to another meets a wall edge (e, 2, 2) other than `own`."""
-    others = np.delete(walls, own, axis=0)
-    way, face = np.broadcast_to(end - start, others[:, 0].shape), others[:, 1] - others[:, 0]
-    parts = _cross(way, others[:, 0] - start) * _cross(way, others[:, 1] - start)
-    ends = _cross(face, start - others[:, 0]) * _cross(face, end - others[:, 0])
-    return bool(((parts <= 0.0) & (ends <= 0.0)).any())
+def _is_cut(walls: NDArray[np.float64], own: int, place: NDArray[np.float64]) -> bool:
+    """Whether a wall edge (e, 2, 2) other than `own` reaches into the triangle of that edge and a place."""
+    corners = [*walls[own], place]
+    sides = list(zip(corners, [*corners[1:], corners[0]], strict=True))
+    for start, end in np.delete(walls, own, axis=0):
+        if np.array_equal(start, corners[1]):
+            cut = _side(*sides[0], end) > 0 and _side(*sides[1], end) > 0
+        elif np.array_equal(end, corners[0]):
+            cut = _side(*sides[0], start) > 0 and _side(*sides[2], start) > 0
+        else:
+            crossed = [
+                _side(start, end, a) * _side(start, end, b) <= 0 and _side(a, b, start) * _side(a, b, end) <= 0
+                for a, b in sides[1:]
+            ]
+            cut = any(crossed) or all(_side(a, b, start) > 0 for a, b in sides)
+        if cut:
+            return True
+    return False
 
 
-def _cross(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Cross products of two lists of vectors."""
-    return np.asarray(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+def _side(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]) -> Fraction:
+    """Twice the area of the triangle a, b, c, exactly."""
+    return orient2d_plain(*a.tolist(), *b.tolist(), *c.tolist())

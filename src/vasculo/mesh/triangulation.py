@@ -75,6 +75,8 @@ class Triangulation:
         Names of the outer sides.
     neighbours : (t, 3) int32, optional
         Triangle across the edge opposite to each corner, -1 at the boundary; found if left out.
+    sizes : (n,) float64, optional, model length
+        Edge length that was wanted at each node; the mesher and the repair say it, None: not known.
 
     Attributes
     ----------
@@ -98,6 +100,7 @@ class Triangulation:
     boundary_tags: NDArray[np.int32]
     side_names: tuple[str, ...]
     neighbours: NDArray[np.int32] = None  # type: ignore[assignment]
+    sizes: NDArray[np.float64] | None = None
     boundary_triangles: NDArray[np.int32] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -114,6 +117,8 @@ class Triangulation:
             raise InputError(f"{np.count_nonzero(~np.isfinite(self.points).all(axis=1))} mesh nodes are not finite")
         if len(self.triangles) == 0 or self.triangles.min() < 0 or self.triangles.max() >= len(self.points):
             raise InputError(f"triangles must name nodes 0 to {len(self.points) - 1}, and there must be one")
+        if self.sizes is not None and np.shape(self.sizes) != (len(self.points),):
+            raise InputError(f"sizes have shape {np.shape(self.sizes)}, but there are {len(self.points)} nodes")
         worst = int(np.argmin(self.areas))
         if not self.areas[worst] > 0.0:
             raise InputError(f"triangle {worst} is not counter-clockwise: its area is {self.areas[worst]:.3g}")

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Angiogenesis", "Merge", "RemodelState", "RemodelStep", "remodel"]
 
-MESH_ROUNDS = 3  # rounds of the truss: every step meshes anew, and more gain little here
 INLET, OUTLET = "left", "right"
 
 Watch = Callable[[RemodelStep], object]
@@ -164,7 +163,6 @@ def sense(domain: Domain, state: RemodelState, parameters: Angiogenesis) -> Sens
         parameters.flow_spacing * unit,
         parameters.membrane_spacing * unit,
         across=parameters.flow_across,
-        iterations=MESH_ROUNDS,
     )
     meshed = perf_counter()
     flow = solve_stokes(mesh, conditions, parameters.viscosity)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 
 from vasculo.errors import ComputationError, InputError
-from vasculo.mesh.delaunay import delaunay
+from vasculo.mesh.triangulate.delaunay import delaunay
 from vasculo.plexus.voids import triangle_edges
 from vasculo.springs.checks import as_number
 from vasculo.springs.network import SpringNetwork

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from vasculo.geometry.predicates import orient2d
-from vasculo.mesh.flips import around, flip
+from vasculo.mesh.triangulate.flips import around, flip
 
 if TYPE_CHECKING:
     from vasculo.geometry.arrays import Flags, Floats, Ints

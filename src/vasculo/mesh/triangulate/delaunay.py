@@ -9,10 +9,10 @@ import numpy as np
 from vasculo.errors import ComputationError, InputError
 from vasculo.geometry.curve import curve_order
 from vasculo.geometry.predicates import LARGEST, SMALLEST, first_out_of_range
-from vasculo.mesh.delaunay_fluid import BOTH, OPEN, OUTSIDE, TWICE, keep_left, pick
-from vasculo.mesh.delaunay_walls import any_triangle, recover_edges
-from vasculo.mesh.flips import restore_delaunay
-from vasculo.mesh.insertion import MOST, ROW, first_corner, insert_nodes, write_triangles
+from vasculo.mesh.triangulate.flips import restore_delaunay
+from vasculo.mesh.triangulate.fluid import BOTH, OPEN, OUTSIDE, TWICE, keep_left, pick
+from vasculo.mesh.triangulate.insertion import MOST, ROW, first_corner, insert_nodes, write_triangles
+from vasculo.mesh.triangulate.walls import any_triangle, recover_edges
 
 if TYPE_CHECKING:
     from vasculo.geometry.arrays import Floats, Ints

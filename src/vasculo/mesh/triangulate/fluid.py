@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
-from vasculo.mesh.delaunay_walls import find_edge
-from vasculo.mesh.flips import around
+from vasculo.mesh.triangulate.flips import around
+from vasculo.mesh.triangulate.walls import find_edge
 
 if TYPE_CHECKING:
     from vasculo.geometry.arrays import Flags, Ints

@@ -1,0 +1,1 @@
+"""Local repair of a mesh whose outlines have moved, and fields brought along."""

@@ -1,0 +1,1 @@
+"""Delaunay triangulations: insertion, walls, flips."""
