@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from vasculo.errors import InputError
+from vasculo.errors import ComputationError, InputError
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.generate import generate_mesh
 from vasculo.mesh.triangulation import Triangulation
@@ -123,7 +123,7 @@ def outcome(seed: int) -> tuple[str, Triangulation | None]:
         return one_line("domain refused", error), None
     try:
         mesh = generate_mesh(domain, **settings)
-    except InputError as error:
+    except (InputError, ComputationError) as error:
         return one_line("mesh refused", error), None
     check(mesh, domain)
     return "meshed", mesh

@@ -46,8 +46,12 @@ def test_colour_pictures_and_every_inlet(tmp_path, inlet):
     colours = np.stack([grey, 0.5 * grey, grey, np.ones_like(grey)], axis=2)
     with_bar = imread(draw_overlay(colours, found, 0.5, tmp_path / "one.png"))
     without = imread(draw_overlay(colours, found, None, tmp_path / "two.png"))
-    assert with_bar.shape == without.shape
-    assert np.any(with_bar != without)
+    # the bar is the one long dark row of the lower part
+    rows = [
+        (image[2 * len(image) // 3 :, :, :3] < 0.25 * image.max()).all(axis=2).sum(axis=1).max()
+        for image in (with_bar, without)
+    ]
+    assert rows[0] > 60 > 2 * rows[1]
 
 
 @pytest.mark.parametrize(("wanted", "length"), [(1.0, 1.0), (1.99, 1.0), (37.0, 20.0), (50.0, 50.0), (0.07, 0.05)])

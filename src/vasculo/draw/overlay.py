@@ -50,9 +50,13 @@ def draw_overlay(picture: NDArray[np.generic], found: Pictured, pixel_size: floa
     from matplotlib.lines import Line2D  # noqa: PLC0415
 
     height, width = found.mask.shape
-    rim = 1.6 * _RIM * max(width, height)
+    wide = 1.6 * _RIM * max(width, height)
+    thin = 0.1 * wide
+    sideways = found.inlet in ("left", "right")
+    rim, top = (wide, thin) if sideways else (thin, wide)
+    bottom = thin if sideways and pixel_size is None else wide
     factor = _SIDE / max(width, height)
-    figure = new_figure((width + 2.0 * rim) * factor, (height + 2.0 * rim) * factor + 0.45)
+    figure = new_figure((width + 2.0 * rim) * factor, (height + top + bottom) * factor + 0.7)
     axes = figure.subplots()
     shown = _shades(picture)
     shown[found.lost] = _rgb(LOST)
@@ -67,7 +71,7 @@ def draw_overlay(picture: NDArray[np.generic], found: Pictured, pixel_size: floa
     walls = np.stack((corners, np.roll(corners, -1, axis=0)), axis=1)[np.array(found.domain.sides) == "wall"]
     axes.add_collection(LineCollection(list(walls), colors=WALL, linewidths=1.5 * line))
     _mark_sides(axes, found.inlet, width, height)
-    axes.set(xlim=(-rim, width + rim), ylim=(height + rim, -rim), aspect="equal")
+    axes.set(xlim=(-rim, width + rim), ylim=(height + bottom, -top), aspect="equal")
     axes.set_axis_off()
     if pixel_size is not None:
         _scale_bar(axes, width, height, pixel_size)

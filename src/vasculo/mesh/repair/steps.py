@@ -38,6 +38,9 @@ DEEPEST = 24
 SWEEPS_CARRIED = 2
 """Sweeps that even the moves out."""
 
+SMALL = 0.25
+"""Moves of fewer wall edges than this are not evened out: the smoothing does."""
+
 BROKEN = 0.15
 """A carried triangle with a mean ratio below this is taken out and its surroundings filled anew."""
 
@@ -116,11 +119,12 @@ class Repair:
         ends = work.points[self.mesh.boundary_edges]
         length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
         away = np.hypot(*moves[self.mesh.boundary_edges[:, 0]].T)
-        most = min(DEEPEST, FADING + int(np.ceil(PER_EDGE * float((away / length).max()))))
+        largest = float((away / length).max())
+        most = min(DEEPEST, FADING + int(np.ceil(PER_EDGE * largest)))
         first, star = stars(work.triangles, len(work.points))
         order = np.empty(len(layer), dtype=np.int32)
         count = layers_from(work.triangles, first, star, work.wall != INNER, most, layer, order)
-        carry(work.triangles, first, star, layer, order, count, most, SWEEPS_CARRIED, moves)
+        carry(work.triangles, first, star, layer, order, count, most, SWEEPS_CARRIED if largest > SMALL else 0, moves)
         work.points += moves
         on_wall = work.wall != INNER
         work.points[on_wall] = places[on_wall]
