@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vasculo.mesh.adjacency import stars
 from vasculo.mesh.generate import generate_mesh
-from vasculo.mesh.improve import stars
 from vasculo.mesh.quality import signed_areas
 from vasculo.mesh.repair.carry import carry, carry_plain, layers_from, mark_around, mark_broken, mark_broken_plain
 from vasculo.mesh.repair.edit import cut_edge, draw_into, fan

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from vasculo.geometry.domain import Domain
-from vasculo.mesh.adjacency import adjacency
+from vasculo.mesh.adjacency import adjacency, stars
 from vasculo.mesh.charges import STRENGTH, relax_charges, repel, repel_plain
 from vasculo.mesh.draft import Draft
 from vasculo.mesh.generate import first_draft
-from vasculo.mesh.improve import BLOCK, STILL, smooth, smooth_draft, star_energy, stars
+from vasculo.mesh.improve import BLOCK, STILL, smooth, smooth_draft, star_energy
 from vasculo.mesh.improve_plain import smooth_plain
 from vasculo.mesh.quality import edge_lengths, signed_areas, triangle_quality
 from vasculo.mesh.size import size_field

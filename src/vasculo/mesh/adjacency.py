@@ -36,14 +36,20 @@ def adjacency(triangles: NDArray[np.int32], nodes: int) -> NDArray[np.int32]:
         An edge is used twice in the same direction: triangles overlap or are oriented differently.
     """
     corners = np.ascontiguousarray(triangles, dtype=np.int32)
-    first, half = np.zeros(nodes + 1, dtype=np.int32), np.empty(corners.size, dtype=np.int32)
     neighbours = np.empty(corners.shape, dtype=np.int32)
-    twice = join_edges(corners, first, half, neighbours)
+    twice = join_edges(corners, *stars(corners, nodes), neighbours)
     if twice >= 0:
         t, k = divmod(twice, 3)
         start, end = corners[t, (k + 1) % 3], corners[t, (k + 2) % 3]
         raise InputError(f"edge {start}-{end} is used twice in the same direction: triangles overlap there")
     return neighbours
+
+
+def stars(triangles: NDArray[np.int32], nodes: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Corners around each node: star[first[i]:first[i + 1]] holds 3 t + corner for the triangles t of node i."""
+    first, star = np.zeros(nodes + 1, dtype=np.int32), np.empty(triangles.size, dtype=np.int32)
+    list_corners(np.ascontiguousarray(triangles), first, star)
+    return first, star
 
 
 def adjacency_plain(triangles: NDArray[np.int32]) -> NDArray[np.int32]:
@@ -54,12 +60,8 @@ def adjacency_plain(triangles: NDArray[np.int32]) -> NDArray[np.int32]:
 
 
 @njit(cache=True, error_model="numpy")
-def join_edges(triangles: Ints, first: Ints, half: Ints, neighbours: Ints) -> int:
-    """Fill `neighbours`; returns an edge that is used twice in one direction as 3 t + corner, or -1.
-
-    `first` (n + 1,), given as zeros, and `half` (3 t,) are overwritten: half[first[i]:first[i + 1]] are the edges that
-    start at node i.
-    """
+def list_corners(triangles: Ints, first: Ints, star: Ints) -> None:
+    """Sort the corners by their nodes, by counting; `first` is given as zeros."""
     for t in range(len(triangles)):
         for k in range(3):
             first[triangles[t, k] + 1] += 1
@@ -67,26 +69,34 @@ def join_edges(triangles: Ints, first: Ints, half: Ints, neighbours: Ints) -> in
         first[i] += first[i - 1]
     for t in range(len(triangles)):
         for k in range(3):
-            i = triangles[t, k + 1 if k < 2 else 0]
-            half[first[i]] = 3 * t + k
+            i = triangles[t, k]
+            star[first[i]] = 3 * t + k
             first[i] += 1
     for i in range(len(first) - 1, 0, -1):
         first[i] = first[i - 1]
     first[0] = 0
+
+
+@njit(cache=True, error_model="numpy")
+def join_edges(triangles: Ints, first: Ints, star: Ints, neighbours: Ints) -> int:
+    """Fill `neighbours`; returns an edge that is used twice in one direction as 3 t + corner, or -1.
+
+    `first` and `star` come from `stars`.
+    """
     for t in range(len(triangles)):
         for k in range(3):
             start = triangles[t, k + 1 if k < 2 else 0]
             end = triangles[t, k - 1 if k > 0 else 2]
             for s in range(first[start], first[start + 1]):
-                other = half[s] // 3
-                j = half[s] - 3 * other
-                if triangles[other, j - 1 if j > 0 else 2] == end and other != t:
+                other = star[s] // 3
+                c = star[s] - 3 * other
+                if other != t and triangles[other, c + 1 if c < 2 else 0] == end:
                     return 3 * t + k
             neighbours[t, k] = -1
             for s in range(first[end], first[end + 1]):
-                other = half[s] // 3
-                j = half[s] - 3 * other
-                if triangles[other, j - 1 if j > 0 else 2] == start:
+                other = star[s] // 3
+                c = star[s] - 3 * other
+                if triangles[other, c + 1 if c < 2 else 0] == start:
                     neighbours[t, k] = other
     return -1
 

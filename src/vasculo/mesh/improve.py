@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from vasculo.mesh.adjacency import stars
 from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
@@ -25,13 +26,6 @@ STILL = 1e-6
 """A node stays when its step, squared, is below this share of its squared edges."""
 
 ROOT3 = 1.7320508075688772
-
-
-def stars(triangles: NDArray[np.int32], nodes: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Corners around each node: star[first[i]:first[i + 1]] holds 3 t + corner for the triangles t of node i."""
-    first, star = np.zeros(nodes + 1, dtype=np.int32), np.empty(triangles.size, dtype=np.int32)
-    list_corners(np.ascontiguousarray(triangles), first, star)
-    return first, star
 
 
 def smooth_draft(draft: Draft) -> None:
@@ -74,24 +68,6 @@ def smooth(
         run_team(smooth_blocks, blocks, points, triangles, first, star, fixed, seam, blocks)
         if blocks > 1:
             smooth_seams(points, triangles, first, star, fixed, seam)
-
-
-@njit(cache=True, error_model="numpy")
-def list_corners(triangles: Ints, first: Ints, star: Ints) -> None:
-    """Sort the corners by their nodes, by counting; `first` is given as zeros."""
-    for t in range(len(triangles)):
-        for k in range(3):
-            first[triangles[t, k] + 1] += 1
-    for i in range(1, len(first)):
-        first[i] += first[i - 1]
-    for t in range(len(triangles)):
-        for k in range(3):
-            i = triangles[t, k]
-            star[first[i]] = 3 * t + k
-            first[i] += 1
-    for i in range(len(first) - 1, 0, -1):
-        first[i] = first[i - 1]
-    first[0] = 0
 
 
 @njit(cache=True, error_model="numpy")

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vasculo.mesh.adjacency import adjacency
-from vasculo.mesh.improve import stars
+from vasculo.mesh.adjacency import adjacency, stars
 from vasculo.mesh.quality import triangle_quality
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numba import njit
 
-from vasculo.mesh.improve import stars
+from vasculo.mesh.adjacency import stars
 from vasculo.mesh.passages import DETOUR, FACING
 from vasculo.mesh.repair.carry import layers_from
 from vasculo.mesh.repair.work import wall_edges

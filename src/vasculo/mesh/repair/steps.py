@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vasculo.errors import ComputationError, InputError
+from vasculo.mesh.adjacency import stars
 from vasculo.mesh.generate import AREA_ROUNDING
-from vasculo.mesh.improve import smooth, stars
+from vasculo.mesh.improve import smooth
 from vasculo.mesh.repair.carry import carry, layers_from, mark_around, mark_broken
 from vasculo.mesh.repair.edit import cut_long_edges, draw_short_edges
 from vasculo.mesh.repair.fill import near_outlines, refill, with_ring
