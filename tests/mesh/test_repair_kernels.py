@@ -10,7 +10,7 @@ from vasculo.mesh.generate import generate_mesh
 from vasculo.mesh.quality import signed_areas
 from vasculo.mesh.repair.carry import carry, carry_plain, layers_from, mark_around, mark_broken, mark_broken_plain
 from vasculo.mesh.repair.edit import cut_edge, draw_into, fan
-from vasculo.mesh.repair.light import ACROSS_LONG, ACROSS_SHORT, LONG, SHORT, is_misfit, is_misfit_plain
+from vasculo.mesh.repair.light import ACROSS_LONG, ACROSS_SHORT, LONG, SHORT, SLACK, is_misfit, is_misfit_plain
 from vasculo.mesh.repair.match import follow_segments_plain, match_outlines, wall_segments
 from vasculo.mesh.repair.plain import (
     cut_edge_plain,
@@ -184,7 +184,7 @@ def test_misfits_against_their_twin(make_plexus):
     for move in np.geomspace(1e-4, 0.1, 40):
         points = mesh.points + move * rng.normal(size=mesh.points.shape)
         touched = rng.random(len(points)) < 0.1
-        facts = points, mesh.triangles, mesh.neighbours, on_wall, touched, mesh.sizes, 0.5
+        facts = points, mesh.points, mesh.triangles, mesh.neighbours, on_wall, touched, mesh.sizes, 0.5
         outcomes.append(is_misfit(*facts))
         assert outcomes[-1] == is_misfit_plain(*facts)
     assert 5 < sum(outcomes) < 35
@@ -193,16 +193,23 @@ def test_misfits_against_their_twin(make_plexus):
     triangles = np.array([(0, 1, 2), (0, 2, 3)], dtype=np.int32)
     walls, inner = np.array([(-1, 1, -1), (-1, -1, 0)], dtype=np.int32), np.zeros((2, 3), dtype=np.int32)
 
-    def found(points, wanted, sides, least=0.0, from_wall=False):
-        walls = np.full(4, from_wall)
-        return is_misfit(points, triangles, sides, walls, np.ones(4, dtype=bool), np.full(4, wanted), least)
+    def found(points, wanted, sides, least=0.0, from_wall=False, before=1e3):
+        walls, everywhere = np.full(4, from_wall), np.ones(4, dtype=bool)
+        facts = points, before * points, triangles, sides, walls, everywhere, np.full(4, wanted), least
+        assert is_misfit(*facts) == is_misfit_plain(*facts)
+        return is_misfit(*facts)
 
     assert not found(square, 1.0, inner)
     assert found(square, 1.01 / SHORT, inner)
     assert not found(square, 1.01 / SHORT, walls)
-    assert found(square, 0.99 * np.sqrt(2.0) / LONG, inner)
+    assert found(square, 0.99 * np.sqrt(2.0) / LONG, inner, before=1e-3)
+    # what was so before may be so, until it is much more so
+    assert not found(square, 1.01 / SHORT, inner, before=1.0)
+    assert found(square, 1.01 * SLACK / SHORT, inner, before=1.0)
+    assert not found(square, 0.99 * np.sqrt(2.0) / LONG, inner, before=1.0)
+    assert found(square, 0.99 * np.sqrt(2.0) / LONG / SLACK, inner, before=1.0)
     assert found(square, 1.01 / ACROSS_SHORT, inner, from_wall=True)
     assert not found(square, 1.01 / ACROSS_SHORT, inner)
-    assert found(square, 0.99 * np.sqrt(2.0) / ACROSS_LONG, inner, from_wall=True)
+    assert found(square, 0.99 * np.sqrt(2.0) / ACROSS_LONG, inner, from_wall=True, before=1e-3)
     assert found(square, 1.0, inner, least=0.9)
     assert not found(square, 1.0, walls, least=0.9)

@@ -48,8 +48,8 @@ class NodeGrid(NamedTuple):
         Wall edge of each marker.
     left, bottom, smallest : float, model length
         Corner of the grids, and the smallest size of all.
-    columns : int
-        Columns of the finest grid.
+    columns, levels : int
+        Columns of the finest grid; grids that hold anything.
     slope : float
         Largest gradient of the sizes.
     """
@@ -65,6 +65,7 @@ class NodeGrid(NamedTuple):
     bottom: float
     smallest: float
     columns: int
+    levels: int
     slope: float
 
 
@@ -132,7 +133,7 @@ def surroundings(
     radius = CLEAR * size
     square = radius * radius
     wall = radius
-    for level in range(low, high + 1):
+    for level in range(low, min(high + 1, grid.levels)):
         cell = 1.0 / (grid.smallest * (1 << level))
         left_column = int((x - radius - grid.left) * cell + 1.0)
         right_column = int((x + radius - grid.left) * cell + 1.0)
@@ -193,7 +194,7 @@ def is_cut(grid: NodeGrid, own: int, x: float, y: float, size: float) -> bool:
     radius = np.sqrt(reach) + 0.5 * MARK * size * (1.0 + grid.slope)
     low = level_of(size * (1.0 - SPREAD * grid.slope), grid.smallest)
     high = level_of(size * (1.0 + SPREAD * grid.slope), grid.smallest)
-    for level in range(low, high + 1):
+    for level in range(low, min(high + 1, grid.levels)):
         cell = 1.0 / (grid.smallest * (1 << level))
         left_column = int((mx - radius - grid.left) * cell + 1.0)
         right_column = int((mx + radius - grid.left) * cell + 1.0)

@@ -70,8 +70,10 @@ def interior_nodes(
         facts[:given, 0], facts[given:first, 0] = sizes, marked
         links = np.empty((room, 2), dtype=np.int32)
         table = np.full(1 << int(2 * room).bit_length(), -1, dtype=np.int32)
-        columns = int((high[0] - low[0]) / smallest) + 3
-        grid = NodeGrid(places, given, first, links, table, ends, owner, low[0], low[1], smallest, columns, field.slope)
+        columns, levels = int((high[0] - low[0]) / smallest) + 3, level_of(field.largest, smallest) + 1
+        grid = NodeGrid(
+            places, given, first, links, table, ends, owner, low[0], low[1], smallest, columns, levels, field.slope
+        )
         stack = np.empty(STACK, dtype=np.int64)
         count = advance_layers(
             grid, facts, tight, fineness, tree.segments, tree.weights, tree.boxes, tree.lowest, stack, field.largest

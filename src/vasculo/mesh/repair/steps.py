@@ -139,7 +139,7 @@ class Repair:
             return False
         on_wall = work.wall != INNER
         if self.sizes is None or is_misfit(
-            work.points, work.triangles, work.neighbours, on_wall, touched, self.sizes, POOR
+            work.points, self.mesh.points, work.triangles, work.neighbours, on_wall, touched, self.sizes, POOR
         ):
             return False
         smooth(work.points, work.triangles, self.first, self.star, on_wall | ~touched, 1)
