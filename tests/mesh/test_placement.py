@@ -7,11 +7,12 @@ from scipy.spatial import cKDTree
 
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.nearby import CLEAR
-from vasculo.mesh.placement import OFF_WALL, interior_nodes
+from vasculo.mesh.placement import OFF_WALL, STRIP, interior_nodes
 from vasculo.mesh.placement_plain import interior_nodes_plain
 from vasculo.mesh.size import size_field, with_wall_edges
 from vasculo.mesh.subdivide import wall_nodes
 from vasculo.mesh.walls import walls_of
+from vasculo.springs.threads import get_threads, set_threads
 
 
 def start(domain, *sizes):
@@ -71,3 +72,36 @@ def test_a_passage_too_narrow_for_a_row_gets_none():
     inner, _ = place(field, points, edges)
     between = (np.abs(inner[:, 1] - 2.05) < 0.05) & (np.abs(inner[:, 0] - 3) < 1.9)
     assert not between.any()
+
+
+@pytest.mark.parametrize("tall", [False, True])
+def test_strips_leave_no_seam_and_do_not_depend_on_threads(tall, make_disk):
+    swap = (lambda p: p[:, ::-1]) if tall else (lambda p: p)
+    disks = [make_disk(x, y, 0.5) for x, y in ((1.5, 1.5), (3.3, 3.2), (5.02, 1.4), (6.6, 3.0), (8.4, 1.7))]
+    outer = np.array([(0, 0), (10, 0), (10, 4.4), (0, 4.4)], dtype=float)
+    domain = Domain(swap(outer), [swap(disk) for disk in disks], list("abcd"))
+    field, points, edges = start(domain, 0.033, 0.02, 0, 0.25)
+    expected = 0.5 * domain.area / 0.433 / 0.033**2
+    assert expected > 2 * STRIP
+    threads, found = get_threads(), []
+    try:
+        for number in (1, 3):
+            set_threads(number)
+            found.append(place(field, points, edges, expected))
+    finally:
+        set_threads(threads)
+    (inner, sizes), (other, _) = found
+    assert np.array_equal(inner, other)
+    assert sizes == pytest.approx(field.at(inner), abs=0.3 * 0.033)
+    everything = np.concatenate((points, inner))
+    assert cKDTree(everything).query(inner, k=2)[0][:, 1].min() >= CLEAR * (1 - 0.25) * 0.02
+    # no hole anywhere, and none at the cuts
+    along = np.linspace(0.0, 1.0, 4001)[:, None]
+    strips = int(expected // STRIP)
+    cuts = np.arange(1, strips) / strips * 10.0
+    places = [swap(np.hstack((np.full_like(along, cut), 4.4 * along))) for cut in cuts]
+    places.append(np.random.default_rng(0).random((20_000, 2)) * np.ptp(domain.outer, axis=0))
+    fluid = shapely.Polygon(domain.outer, [p[::-1] for p in domain.pillars])
+    for some in places:
+        inside = some[shapely.contains_xy(fluid, some)]
+        assert np.all(cKDTree(everything).query(inside)[0] <= 1.25 * field.at(inside))

@@ -100,10 +100,11 @@ def run_team(loop: Callable[..., int], most: int, *arguments: object) -> int:
         pool = _TEAM.get_pool(threads - 1)
         others: list[Future[int]] = [pool.submit(loop, rank, threads, *arguments) for rank in range(1, threads)]
         done = loop(0, threads, *arguments)
+        # what the caller lost on its own way counts, not that others have more to do
+        took, had = perf_counter() - clock, thread_time() - processor
         for other in others:
             other.result()
-        took = perf_counter() - clock
-        if took > LONG and thread_time() - processor < CROWDED * took:
+        if took > LONG and had < CROWDED * took:
             _TEAM.paused_until = perf_counter() + PAUSE
     finally:
         _TEAM.busy.release()
