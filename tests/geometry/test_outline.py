@@ -46,6 +46,7 @@ def test_rectangle_moments():
     assert second_moments(box) == pytest.approx(np.diag([36 / 12, 4 / 12]), abs=1e-14)
 
 
+@settings(deadline=None)
 @given(
     a=st.floats(0.5, 3.0), b=st.floats(0.5, 3.0), angle=st.floats(-3.0, 3.0), x=st.floats(-50, 50), y=st.floats(-50, 50)
 )

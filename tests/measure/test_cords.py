@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vasculo as vc
@@ -181,6 +181,7 @@ def test_turned_and_moved_in_a_frame(angle):
     np.testing.assert_allclose(found[np.argsort(found[:, 0])], expected[np.argsort(expected[:, 0])], atol=1e-6)
 
 
+@settings(deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 25), st.sampled_from([0.0, 0.3]))
 def test_euler_on_the_torus(seed, count, gap):
     box = np.array([9.0, 7.0])
@@ -197,6 +198,7 @@ def test_euler_on_the_torus(seed, count, gap):
         np.testing.assert_allclose(periods, np.round(periods), atol=1e-6)
 
 
+@settings(deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 25))
 def test_euler_in_a_frame(seed, count):
     box = np.array([9.0, 7.0])
@@ -322,6 +324,7 @@ def walked(after, twin):
     return found
 
 
+@settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 7), st.booleans()), max_size=8), st.integers(0, 1000))
 def test_chains_against_their_plain_twin(kinds, seed):
     total = sum(length for length, _ in kinds)
@@ -348,6 +351,7 @@ def test_chains_against_their_plain_twin(kinds, seed):
         assert after[chain[-1]] == (chain[0] if number in rings else -1)
 
 
+@settings(deadline=None)
 @given(st.lists(st.lists(st.tuples(st.integers(0, 9), st.integers(1, 5)), min_size=1, max_size=9), max_size=5))
 def test_weighted_medians(groups):
     first = np.cumsum([0] + [len(group) for group in groups])
