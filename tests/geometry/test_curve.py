@@ -16,3 +16,4 @@ def test_hilberts_curve():
     keys = np.random.default_rng(1).integers(0, 2**48, 1000) >> np.random.default_rng(2).integers(0, 48, 1000)
     assert np.array_equal(sort_keys(keys), np.argsort(keys, kind="stable"))
     assert curve_order(np.ones((4, 2))).tolist() == [0, 1, 2, 3]
+    assert curve_order(np.empty((0, 2))).tolist() == []

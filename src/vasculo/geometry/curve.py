@@ -58,7 +58,7 @@ def curve_order(points: Floats) -> Ints:
     Parameters
     ----------
     points : (n, 2) float64, model length
-        Finite, at least one. Points in the same of 2^24 by 2^24 squares keep their order.
+        Finite. Points in the same of 2^24 by 2^24 squares keep their order.
 
     Returns
     -------

@@ -12,7 +12,7 @@ import shapely
 
 from vasculo.errors import InputError
 from vasculo.geometry.neighbours import as_polygons
-from vasculo.geometry.outline import is_number, mended_outline, signed_area
+from vasculo.geometry.outline import following, is_number, mended_outline, signed_area
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -108,8 +108,7 @@ class Domain:
         first = np.cumsum(counts) - counts
         nodes = np.concatenate(self.pillars)
         x, y = (nodes - np.repeat(nodes[first], counts, axis=0)).T
-        after = np.arange(len(nodes)) + 1
-        after[first + counts - 1] = first
+        after = following(counts)
         return np.asarray(0.5 * np.add.reduceat(x * y[after] - x[after] * y, first))
 
     @property

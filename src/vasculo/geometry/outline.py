@@ -112,6 +112,14 @@ def segment_lengths(outline: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.hypot(step[:, 0], step[:, 1])
 
 
+def following(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Next node of each node on closed rings of so many nodes that stand one after the other."""
+    last = np.cumsum(counts) - 1
+    after = np.arange(1, int(last[-1]) + 2)
+    after[last] = last - counts + 1
+    return after
+
+
 def centroid(outline: NDArray[np.float64]) -> NDArray[np.float64]:
     """Centroid of the enclosed area; (k, 2) float64 in, (2,) float64 out, model length."""
     origin = outline[0]

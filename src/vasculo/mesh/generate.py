@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.geometry.domain import Domain
-    from vasculo.mesh.passages import Passages
+    from vasculo.mesh.passages import WallSamples
     from vasculo.mesh.size import SizeField
     from vasculo.mesh.walls import Walls
 
@@ -185,7 +185,7 @@ def check_count(predicted: float, most: int, where: str) -> None:
         )
 
 
-def check_narrowest(domain: Domain, passages: Passages) -> None:
+def check_narrowest(domain: Domain, passages: WallSamples) -> None:
     """Refuse a passage too narrow to mesh."""
     low_x, low_y, high_x, high_y = domain.bounds
     limit = NARROWEST * max(high_x - low_x, high_y - low_y)
@@ -231,7 +231,7 @@ def first_draft(walls: Walls, field: SizeField, expected: float, max_triangles: 
         raise InputError(
             f"the mesh would need more than {max_triangles} nodes: use longer edges or raise max_triangles"
         )
-    order = curve_order(placed[0]) if len(placed[0]) else np.empty(0, dtype=np.int32)
+    order = curve_order(placed[0])
     points, wanted = np.concatenate((on_wall, placed[0][order])), np.concatenate((sizes, placed[1][order]))
     triangles, neighbours = fluid_triangles(points, edges)
     fixed = np.arange(len(points)) < len(on_wall)

@@ -88,7 +88,7 @@ def matrix_springs(domain: Domain, spacing: float) -> MatrixMesh:
     placed = interior_nodes(field, points, np.full(len(points), float(spacing)), edges, expected, LARGEST)
     if placed is None:
         raise InputError(f"the matrix would need more than {LARGEST} nodes: use a wider spacing")
-    inner = placed[0][curve_order(placed[0])] if len(placed[0]) else placed[0]
+    inner = placed[0][curve_order(placed[0])]
     fixed = np.arange(len(points) + len(inner)) < len(points)
     points = np.concatenate((points, inner))
     triangles, neighbours = fluid_triangles(points, edges)

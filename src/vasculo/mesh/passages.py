@@ -41,7 +41,7 @@ FEWEST = 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Passages:
+class WallSamples:
     """Wall points with the nearest wall in front of them.
 
     Parameters
@@ -70,7 +70,7 @@ class Passages:
     other: NDArray[np.int32]
 
 
-def passages_of(walls: Walls, widest: float) -> Passages:
+def passages_of(walls: Walls, widest: float) -> WallSamples:
     """Measure all passages up to a width.
 
     Parameters
@@ -81,14 +81,14 @@ def passages_of(walls: Walls, widest: float) -> Passages:
 
     Returns
     -------
-    Passages
+    WallSamples
         Samples where something lies in front within `widest`.
     """
     # Strategy: pieces of wall, each looked at from one place on it. Gaps change along a wall no faster than the place,
     # so a piece that reaches far from its place, compared with the gap there, is halved; one that no gap below `widest`
     # can lie on is dropped. The first piece of a segment is looked at from its node, where outlines come nearest.
     tree = box_tree(walls.segments)
-    count = len(walls.edges)
+    count, bodies, facts = len(walls.edges), walls.body[tree.order], walls.facts[tree.order]
     segment = np.repeat(np.arange(count), 2)
     low, high = np.tile([0.0, 0.25], count), np.tile([0.25, 1.0], count)
     whole: list[NDArray[np.int64]] = []
@@ -96,7 +96,7 @@ def passages_of(walls: Walls, widest: float) -> Passages:
     for depth in range(HALVINGS + 1):
         place = np.where(low > 0.0, 0.5 * (low + high), 0.0)
         far = (high - place) * walls.lengths[segment]
-        gap, hit, along = _measure(walls, tree, segment, place, widest + far)
+        gap, hit, along = _measure(walls, tree, bodies, facts, segment, place, widest + far)
         near = (hit >= 0) & (gap - far < widest)
         split = near & (far > EVEN * np.maximum(gap - far, 0.0)) & (depth < HALVINGS)
         if 2 * np.count_nonzero(split) > MOST_PIECES:
@@ -118,7 +118,7 @@ def passages_of(walls: Walls, widest: float) -> Passages:
     lines = walls.segments
     start, step = lines[segment, :2], lines[segment, 2:] - lines[segment, :2]
     beyond, way = lines[opposite, :2], lines[opposite, 2:] - lines[opposite, :2]
-    return Passages(
+    return WallSamples(
         points=start + place[:, None] * step,
         across=beyond + along[:, None] * way,
         pieces=np.hstack((start + low[:, None] * step, start + high[:, None] * step)),
@@ -131,12 +131,16 @@ def passages_of(walls: Walls, widest: float) -> Passages:
 
 
 def _measure(
-    walls: Walls, tree: BoxTree, segment: NDArray[np.int64], place: NDArray[np.float64], widest: NDArray[np.float64]
+    walls: Walls,
+    tree: BoxTree,
+    bodies: NDArray[np.int32],
+    facts: NDArray[np.float64],
+    segment: NDArray[np.int64],
+    place: NDArray[np.float64],
+    widest: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
     """Gap in front of each sample, the segment of the tree found there (-1: none within `widest`), and where on it."""
     gap, hit, along = widest.copy(), np.full(len(segment), -1), np.zeros(len(segment))
-    facts = np.column_stack((walls.arc, walls.lengths, walls.around))[tree.order]
-    bodies = np.ascontiguousarray(walls.body[tree.order])
     run_team(
         nearest_facing, len(segment) // FEWEST + 1, tree.segments, bodies, facts, tree.boxes, tree.lowest,
         walls.segments[segment], place, walls.body[segment], walls.arc[segment], gap, hit, along,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.geometry.arrays import Floats
-    from vasculo.mesh.passages import Passages
+    from vasculo.mesh.passages import WallSamples
     from vasculo.mesh.walls import Walls
 
 LAYER = 2.0 / np.sqrt(3.0)
@@ -49,7 +49,7 @@ class SizeField:
         h far from all sources.
     wall_sizes : (n,) float64, model length
         Size at each wall segment, passages left aside.
-    passages : Passages
+    passages : WallSamples
         The passages found.
     passage_sizes : (s,) float64, model length
         Size in each passage sample.
@@ -65,7 +65,7 @@ class SizeField:
     slope: float
     largest: float
     wall_sizes: NDArray[np.float64]
-    passages: Passages
+    passages: WallSamples
     passage_sizes: NDArray[np.float64]
     beside: NDArray[np.float64]
     beside_sizes: NDArray[np.float64]
@@ -146,7 +146,7 @@ def size_field(
     return SizeField(sources, float(grading), float(edge_length), at_wall, passages, narrow, lines, lengths, cost)
 
 
-def level_field(walls: Walls, length: float, passages: Passages) -> SizeField:
+def level_field(walls: Walls, length: float, passages: WallSamples) -> SizeField:
     """Make a field that asks for the same length (model length) everywhere."""
     level = box_tree(walls.segments[-1:], np.array([length]))
     sizes, none = np.full(len(walls.edges), length), np.empty((0, 4))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +44,12 @@ class Walls:
     lengths: NDArray[np.float64]
     around: NDArray[np.float64]
 
-    @property
+    @cached_property
+    def facts(self) -> NDArray[np.float64]:
+        """Arc, length and length of the outline of each segment, side by side; (n, 3) float64, model length."""
+        return np.column_stack((self.arc, self.lengths, self.around))
+
+    @cached_property
     def segments(self) -> NDArray[np.float64]:
         """Start and end coordinates; (n, 4) float64, model length."""
         return np.column_stack((self.nodes[self.edges[:, 0]], self.nodes[self.edges[:, 1]]))

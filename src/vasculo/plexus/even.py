@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
-from vasculo.geometry.outline import resample
+from vasculo.geometry.outline import following, resample
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,14 +52,6 @@ def even_rings(rings: Sequence[Floats], spacing: float, minimum: int) -> list[Fl
     for ring in np.flatnonzero(cornered).tolist():
         even[ring] = resample(rings[ring], spacing, minimum=minimum, corners=CORNER, keep_area=True)
     return even
-
-
-def following(counts: Longs) -> Longs:
-    """Next node of each node on closed rings of so many nodes that stand one after the other."""
-    last = np.cumsum(counts) - 1
-    after = np.arange(1, int(last[-1]) + 2)
-    after[last] = last - counts + 1
-    return after
 
 
 @njit(cache=True, error_model="numpy")

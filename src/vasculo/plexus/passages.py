@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vasculo.geometry.outline import following
 from vasculo.mesh.size import BASE_LAYERS, LAYER
 from vasculo.mesh.triangulate.delaunay import fluid_triangles
-from vasculo.plexus.even import following
 from vasculo.plexus.passage_kernels import expected_triangles, narrowest_ways, sort_triangles
 
 if TYPE_CHECKING:

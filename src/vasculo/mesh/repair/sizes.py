@@ -88,9 +88,8 @@ def mesh_sizes(work: Work, walls: Walls, wanted: Wanted) -> tuple[NDArray[np.flo
     layers_from(triangles, first, star, np.zeros(count, dtype=np.bool_), count, layer, order)
     sizes, wall = np.full(count, wanted.edge_length), np.empty(count, dtype=np.int32)
     nearest_walls(points, triangles, first, star, onward, order, REACH * widest, wall)
-    facts = np.column_stack((walls.arc, walls.lengths, walls.around))
     wish_passages(
-        points, triangles, neighbours, wall, onward, own, walls.body, facts, walls.segments,
+        points, triangles, neighbours, wall, onward, own, walls.body, walls.facts, walls.segments,
         LAYER / layers, wanted.grading, sizes,
     )  # fmt: skip
     wished = sizes.copy()
