@@ -14,7 +14,7 @@ from vasculo.mesh.draft import Draft
 from vasculo.mesh.improve import smooth_draft
 from vasculo.mesh.placement import interior_nodes
 from vasculo.mesh.predict import predicted_triangles
-from vasculo.mesh.size import size_field, with_wall_edges
+from vasculo.mesh.size import GRADING, size_field, with_wall_edges
 from vasculo.mesh.snap import snap_to_walls
 from vasculo.mesh.subdivide import wall_nodes
 from vasculo.mesh.triangulate.delaunay import fluid_triangles
@@ -54,7 +54,7 @@ def generate_mesh(
     across: float = 0.0,
     curvature: float = 0.0,
     size: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None,
-    grading: float = 0.25,
+    grading: float = GRADING,
     method: str = "advancing",
     iterations: int | None = None,
     max_triangles: int = 5_000_000,

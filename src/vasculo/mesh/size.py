@@ -28,6 +28,9 @@ LAYER = 2.0 / np.sqrt(3.0)
 BASE_LAYERS = 1.25
 """Layers that fit across every gap even when none are asked for: wall edges stay below 0.92 of the gap."""
 
+GRADING = 0.25
+"""Largest change of the edge length per length, where no other is asked for."""
+
 FEWEST = 2000
 """Fewest places of one thread."""
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.geometry.outline import following
-from vasculo.mesh.size import BASE_LAYERS, LAYER
+from vasculo.mesh.size import BASE_LAYERS, GRADING, LAYER
 from vasculo.mesh.triangulate.delaunay import fluid_triangles
 from vasculo.plexus.passage_kernels import expected_triangles, narrowest_ways, sort_triangles
 
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.geometry.arrays import Flags, Floats, Ints
-
-GRADING = 0.25
-"""Largest gradient of the mesh's edge length: that of `generate_mesh` by default."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 
 from vasculo.errors import InputError
 from vasculo.mesh.predict import predicted_triangles
-from vasculo.mesh.size import size_field
+from vasculo.mesh.size import GRADING, size_field
 from vasculo.mesh.walls import walls_of
 from vasculo.pillars.parameters import Angiogenesis
 from vasculo.plexus.image import domain_from_image
@@ -24,8 +24,6 @@ from vasculo.study.settings import toml_value
 if TYPE_CHECKING:
     from vasculo.geometry.domain import Domain
     from vasculo.plexus.image import ImageExtraction, Pictured
-
-GRADING = 0.25  # of the flow mesh
 
 
 @dataclass(frozen=True)

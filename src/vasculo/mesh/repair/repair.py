@@ -12,6 +12,7 @@ from vasculo.mesh.generate import check_numbers, generate_mesh
 from vasculo.mesh.repair.match import match_outlines, wall_segments
 from vasculo.mesh.repair.sizes import Wanted
 from vasculo.mesh.repair.steps import Repair
+from vasculo.mesh.size import GRADING
 from vasculo.mesh.walls import walls_of
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def repair_mesh(
     across: float = 0.0,
     curvature: float = 0.0,
     size: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None,
-    grading: float = 0.25,
+    grading: float = GRADING,
     max_triangles: int = 5_000_000,
 ) -> Repaired:
     """Turn the mesh of one domain into a mesh of another that differs a little.
