@@ -17,9 +17,9 @@ import numpy as np
 from vasculo.flow.assemble import assemble
 from vasculo.flow.boundary import Pressure, Slip
 from vasculo.flow.faces import build_faces
-from vasculo.flow.solve import solve
+from vasculo.flow.fits.tables import face_tables
+from vasculo.flow.linear.solve import solve
 from vasculo.flow.stokes import solve_stokes
-from vasculo.flow.tables import face_tables
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.generate import generate_mesh
 

@@ -7,7 +7,7 @@ from tests.flow.meshes import annulus, rectangle
 
 from vasculo.flow.boundary import Periodic, Pressure, Slip, Velocity
 from vasculo.flow.faces import build_faces
-from vasculo.flow.nodal import _chebyshev, project_to_nodes
+from vasculo.flow.read.nodal import _chebyshev, project_to_nodes
 from vasculo.flow.stokes import solve_stokes
 
 

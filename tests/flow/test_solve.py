@@ -6,11 +6,11 @@ from scipy import sparse
 from tests.flow.meshes import cylinder_in_square, rectangle
 
 from vasculo.errors import ComputationError
-from vasculo.flow import pardiso
 from vasculo.flow.assemble import assemble
 from vasculo.flow.boundary import Periodic, Pressure, Slip, Velocity
 from vasculo.flow.faces import build_faces
-from vasculo.flow.solve import norm, solve
+from vasculo.flow.linear import pardiso
+from vasculo.flow.linear.solve import norm, solve
 from vasculo.flow.stokes import solve_stokes
 
 with_mkl = pytest.mark.skipif(pardiso.library() is None, reason="the extra `fast` is not installed")
@@ -25,7 +25,7 @@ CASES = {
 @pytest.fixture(params=["pardiso", "splu"])
 def solver(request, monkeypatch):
     if request.param == "splu":
-        monkeypatch.setattr("vasculo.flow.solve.library", lambda: None)
+        monkeypatch.setattr("vasculo.flow.linear.solve.library", lambda: None)
     elif pardiso.library() is None:
         pytest.skip("the extra `fast` is not installed")
     return request.param
@@ -51,7 +51,7 @@ def test_residual_and_iterations(solver, case):
 def test_both_solvers_agree(case, monkeypatch):
     mesh = cylinder_in_square(0.3, 64)
     fast = solve_stokes(mesh, CASES[case])
-    monkeypatch.setattr("vasculo.flow.solve.library", lambda: None)
+    monkeypatch.setattr("vasculo.flow.linear.solve.library", lambda: None)
     plain = solve_stokes(mesh, CASES[case])
     assert (fast.report["solver"], plain.report["solver"]) == ("pardiso", "splu")
     np.testing.assert_allclose(fast.velocity, plain.velocity, atol=1e-9 * np.abs(plain.velocity).max())

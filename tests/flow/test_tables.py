@@ -6,7 +6,7 @@ from tests.flow.meshes import rectangle
 
 from vasculo.flow.boundary import Periodic, Pressure, Slip, Velocity
 from vasculo.flow.faces import INNER, MIRROR, MOVING, OPEN, build_faces
-from vasculo.flow.fit import (
+from vasculo.flow.fits.fit import (
     AT_REST,
     LINEAR,
     OUTFLOW,
@@ -18,9 +18,9 @@ from vasculo.flow.fit import (
     fit_weights,
     fit_weights_plain,
 )
-from vasculo.flow.stencil import stencil_plain
-from vasculo.flow.tables import GRADIENT, JUMP, MEAN, PRESSURE, face_tables
-from vasculo.flow.tables_plain import face_row_plain, velocity_data_plain
+from vasculo.flow.fits.stencil import stencil_plain
+from vasculo.flow.fits.tables import GRADIENT, JUMP, MEAN, PRESSURE, face_tables
+from vasculo.flow.fits.tables_plain import face_row_plain, velocity_data_plain
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.generate import generate_mesh
 
@@ -150,7 +150,7 @@ def test_room_grows_when_neighbourhoods_are_large(monkeypatch):
     mesh = rectangle(1.0, 1.0, across=5)
     faces = build_faces(mesh, {"left": Pressure(1.0)})
     wanted = face_tables(mesh, faces, faces.opening)
-    monkeypatch.setattr("vasculo.flow.tables.ROOM", 1)
+    monkeypatch.setattr("vasculo.flow.fits.tables.ROOM", 1)
     found = face_tables(mesh, faces, faces.opening)
     np.testing.assert_array_equal(found.cell, wanted.cell)
     np.testing.assert_array_equal(found.weight, wanted.weight)

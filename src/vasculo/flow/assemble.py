@@ -10,7 +10,7 @@ from scipy import sparse
 
 from vasculo.errors import InputError
 from vasculo.flow.faces import INNER, MIRROR, MOVING, OPEN, Faces
-from vasculo.flow.tables import GRADIENT, JUMP, MEAN, PRESSURE, Tables, face_tables
+from vasculo.flow.fits.tables import GRADIENT, JUMP, MEAN, PRESSURE, Tables, face_tables
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,6 +54,24 @@ class System:
     closed: NDArray[np.int32]
     scale: float
     tables: Tables
+
+    @property
+    def cells(self) -> int:
+        """Number of cells t."""
+        return len(self.right) // 3
+
+    @property
+    def pins(self) -> NDArray[np.int64]:
+        """Lowest cell of each closed part, whose continuity is replaced by zero pressure."""
+        return np.unique(self.part, return_index=True)[1][self.closed]
+
+    def apply(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Multiply: A times a vector, float64 (3 t,)."""
+        return np.asarray(self.matrix @ unknowns)
+
+    def blocks(self) -> sparse.bsr_array:
+        """Give A in single precision, 3 x 3 blocks with sorted int32 indices, for factors."""
+        return self.matrix.astype(np.float32)
 
 
 def assemble(mesh: Triangulation, faces: Faces, viscosity: float, force: NDArray[np.float64]) -> System:

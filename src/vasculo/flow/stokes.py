@@ -11,9 +11,9 @@ import numpy as np
 from vasculo.errors import ComputationError, InputError
 from vasculo.flow.assemble import System, assemble
 from vasculo.flow.faces import Faces, build_faces
-from vasculo.flow.nodal import project_to_nodes
-from vasculo.flow.solve import LIMIT, solve
-from vasculo.flow.traction import wall_traction
+from vasculo.flow.linear.solve import LIMIT, solve
+from vasculo.flow.read.nodal import project_to_nodes
+from vasculo.flow.read.traction import wall_traction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,7 +73,7 @@ class Flow:
     residual: float
     mass_imbalance: float
     report: dict[str, int | float | str]
-    _edge_flux: NDArray[np.float64] = field(repr=False)
+    _face_flux: NDArray[np.float64] = field(repr=False)
     _faces: Faces = field(repr=False)
 
     def flow_rate(self, side: str) -> float:
@@ -89,7 +89,8 @@ class Flow:
         InputError
             No side has this name.
         """
-        return float(np.sum(self._edge_flux[self.mesh.edge_of(side)]))
+        edges = self.mesh.edge_of(side)
+        return float(np.sum(self._face_flux[self._faces.edge_face[edges]] * self._faces.edge_sign[edges]))
 
     def node_velocity(self) -> NDArray[np.float64]:
         """Velocity at the nodes, float64 (n, 2), for drawing with linear interpolation; see `project_to_nodes`."""
@@ -174,7 +175,6 @@ def _flow(
     wall_pressure -= level[system.part[at_walls]]
 
     flux = (system.flux @ unknowns).reshape(-1, 3)[:, 2] + system.flux_constant[:, 2]
-    edge_flux = flux[faces.edge_face] * faces.edge_sign * system.scale
     total, worst, noise = _imbalance(faces, flux, cells)
     if not max(total, worst) <= max(LIMIT, noise):
         raise ComputationError(
@@ -195,7 +195,7 @@ def _flow(
         residual=residual,
         mass_imbalance=max(total, worst),
         report={**report, "mass_imbalance": total, "cell_imbalance": worst},
-        _edge_flux=edge_flux,
+        _face_flux=flux * system.scale,
         _faces=faces,
     )
 

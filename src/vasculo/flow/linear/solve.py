@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from vasculo.errors import ComputationError
-from vasculo.flow.pardiso import BlockFactor, library
+from vasculo.flow.linear.pardiso import BlockFactor, library
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from vasculo.flow.tables import GRADIENT, PRESSURE
+from vasculo.flow.fits.tables import GRADIENT, PRESSURE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
-from vasculo.flow.data import collect
 from vasculo.flow.faces import INNER, MOVING, OPEN, Faces
-from vasculo.flow.fit import AT_REST, LINEAR, OUTFLOW, QUADRATIC, SHEAR, SIZES, fit_weights, term
-from vasculo.flow.stencil import MAX_CELLS, MAX_RIM, TOP_LEVEL, grow
+from vasculo.flow.fits.data import collect
+from vasculo.flow.fits.fit import AT_REST, LINEAR, OUTFLOW, QUADRATIC, SHEAR, SIZES, fit_weights, term
+from vasculo.flow.fits.stencil import MAX_CELLS, MAX_RIM, TOP_LEVEL, grow
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
