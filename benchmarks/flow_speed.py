@@ -73,7 +73,7 @@ def _row(mesh: Triangulation) -> None:
     times.append(process_time())
     system = assemble(mesh, faces, 1.0, np.zeros((len(mesh.triangles), 2)))
     times.append(process_time())
-    solution = solve(system.matrix, system.right)
+    solution = solve(system.blocks(np.float64), system.right)
     times.append(process_time())
     flow = solve_stokes(mesh, SIDES)
     times.append(process_time())
