@@ -18,11 +18,14 @@ from vasculo.flow.fits.fit import (
     fit_weights,
     fit_weights_plain,
 )
+from vasculo.flow.fits.functionals import GRADIENT, JUMP, MEAN, PRESSURE
 from vasculo.flow.fits.stencil import stencil_plain
-from vasculo.flow.fits.tables import GRADIENT, JUMP, MEAN, PRESSURE, face_tables
+from vasculo.flow.fits.sums import sum_rows_plain
+from vasculo.flow.fits.tables import face_tables
 from vasculo.flow.fits.tables_plain import face_row_plain, velocity_data_plain
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.generate import generate_mesh
+from vasculo.springs.threads import get_threads, set_threads
 
 MIXED = {
     "left": Velocity(lambda _x, y: y * (1.0 - y), lambda _x, y: 0.3 * y),
@@ -89,7 +92,7 @@ def test_rows_match_the_plain_twin(make):
     tables = face_tables(mesh, faces, faces.opening)
     assert set(faces.kind.tolist()) == {INNER, MOVING, MIRROR, OPEN}
     for face in range(len(faces.ends)):
-        span = slice(tables.start[face], tables.start[face + 1])
+        span = slice(tables.start[face], tables.stop[face])
         cells, weight, constant = face_row_plain(mesh, faces, faces.opening, face)
         order = np.argsort(tables.cell[span])
         np.testing.assert_array_equal(tables.cell[span][order], cells)
@@ -114,7 +117,7 @@ def test_inner_faces_are_exact_for_quadratics(turn):
     mean = (field(*a.T) + 4.0 * field(*middle.T) + field(*b.T)) / 6.0
     x, y = middle.T
     slope = np.column_stack([2.0 + x - 0.7 * y, -1.0 - 0.7 * x + 2.6 * y])
-    found = np.add.reduceat(tables.weight * cell_values[tables.cell][:, None], tables.start[:-1])
+    found = row_sums(tables, cell_values)
     inner = faces.kind == INNER
     gradient = found[:, GRADIENT] + tables.constant[:, 0]
     np.testing.assert_allclose(gradient, np.einsum("fi,fi->f", slope, faces.normal), atol=2e-11)
@@ -127,7 +130,7 @@ def test_pressure_is_exact_for_linear_fields():
     tables = face_tables(mesh, faces, faces.opening)
     assert faces.level == -1.2
     values = 1.2 - 2.0 * mesh.centroids[:, 0]
-    found = np.add.reduceat(tables.weight * values[tables.cell][:, None], tables.start[:-1])
+    found = row_sums(tables, values)
     middle = mesh.points[faces.ends].mean(axis=1)
     np.testing.assert_allclose(found[:, PRESSURE] + tables.constant[:, 5], 1.2 - 2.0 * middle[:, 0], atol=1e-12)
     carries = (faces.kind == INNER) | (faces.kind == OPEN)
@@ -142,17 +145,69 @@ def test_on_a_torus_every_face_is_inner_and_constants_are_kept():
     assert len(faces.profile) == 0
     assert len(np.unique(faces.same)) == len(mesh.triangles) // 2
     for column, total in ((GRADIENT, 0.0), (MEAN, 1.0), (JUMP, 0.0), (PRESSURE, 1.0)):
-        sums = np.add.reduceat(tables.weight[:, column], tables.start[:-1])
+        sums = row_sums(tables, np.ones(len(mesh.triangles)))[:, column]
         np.testing.assert_allclose(sums, total, atol=1e-10)
 
 
-def test_room_grows_when_neighbourhoods_are_large(monkeypatch):
-    mesh = rectangle(1.0, 1.0, across=5)
-    faces = build_faces(mesh, {"left": Pressure(1.0)})
-    wanted = face_tables(mesh, faces, faces.opening)
-    monkeypatch.setattr("vasculo.flow.fits.tables.ROOM", 1)
-    found = face_tables(mesh, faces, faces.opening)
-    np.testing.assert_array_equal(found.cell, wanted.cell)
-    np.testing.assert_array_equal(found.weight, wanted.weight)
+def row_sums(tables, values):
+    return np.array([
+        values[tables.cell[a:b]] @ tables.weight[a:b] for a, b in zip(tables.start, tables.stop, strict=True)
+    ])  # fmt: skip
+
+
+def assert_same_rows(found, wanted):
+    for (a, b), (c, d) in zip(
+        zip(found.start, found.stop, strict=True), zip(wanted.start, wanted.stop, strict=True), strict=True
+    ):
+        np.testing.assert_array_equal(found.cell[a:b], wanted.cell[c:d])
+        np.testing.assert_array_equal(found.weight[a:b], wanted.weight[c:d])
     np.testing.assert_array_equal(found.constant, wanted.constant)
     assert found.counts == wanted.counts
+
+
+def test_room_grows_when_neighbourhoods_are_large(monkeypatch):
+    mesh, faces = thin_pillar()
+    wanted = face_tables(mesh, faces, faces.opening)
+    assert wanted.counts["level_1"] > 0
+    monkeypatch.setattr("vasculo.flow.fits.tables.SPARE", 1.0)
+    assert_same_rows(face_tables(mesh, faces, faces.opening), wanted)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_threads_change_no_bit(order, monkeypatch):
+    mesh, faces = thin_pillar()
+    monkeypatch.setattr("vasculo.flow.fits.tables.FEW", 1)
+    threads = get_threads()
+    try:
+        set_threads(1)
+        wanted = face_tables(mesh, faces, faces.opening, order)
+        set_threads(3)
+        assert_same_rows(face_tables(mesh, faces, faces.opening, order), wanted)
+    finally:
+        set_threads(threads)
+
+
+def test_sums_match_the_plain_twin():
+    mesh, faces = thin_pillar()
+    tables = face_tables(mesh, faces, faces.opening)
+    cells = np.random.default_rng(0).normal(size=(len(mesh.triangles), 3))
+    wanted = sum_rows_plain(cells, tables.start, tables.stop, tables.cell, tables.weight)
+    np.testing.assert_allclose(tables.sums(cells.ravel()), wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
+
+
+def test_classical_rows_are_exact_for_linear_fields_only():
+    mesh = rectangle(1.2, 1.0, across=6, seed=2)
+
+    def slope_errors(order, square):
+        def field(x, y):
+            return 1.0 + 2.0 * x - y + square * x * x
+
+        faces = build_faces(mesh, dict.fromkeys(mesh.side_names, Velocity(field, field)))
+        tables = face_tables(mesh, faces, faces.opening, order)
+        gradient = row_sums(tables, field(*mesh.centroids.T))[:, GRADIENT] + tables.constant[:, 0]
+        x = mesh.points[faces.ends].mean(axis=1)[:, 0]
+        return np.abs(gradient - (2.0 + 2.0 * square * x) * faces.normal[:, 0] + faces.normal[:, 1]).max()
+
+    assert slope_errors(1, 0.0) < 1e-11
+    assert slope_errors(2, 1.0) < 1e-11
+    assert slope_errors(1, 1.0) > 1e-3

@@ -9,8 +9,11 @@ import numpy as np
 from scipy import sparse
 
 from vasculo.errors import InputError
-from vasculo.flow.faces import INNER, MIRROR, MOVING, OPEN, Faces
-from vasculo.flow.fits.tables import GRADIENT, JUMP, MEAN, PRESSURE, Tables, face_tables
+from vasculo.flow.balance import balance_cells, fluxes_of_sums, list_cell_faces
+from vasculo.flow.blocks import count_columns, fill_blocks
+from vasculo.flow.faces import MOVING, OPEN, Faces
+from vasculo.flow.fits.tables import Tables, face_tables
+from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,61 +23,89 @@ if TYPE_CHECKING:
 SMOOTHING = 3.0  # kappa of the smoothing pressure correction: below 2 graded meshes can oscillate
 LEAK = 0.1  # the largest part of the prescribed flow of a closed domain that may be missing
 ROUND_OFF = 1e-9
+FEW = 4000  # faces or cells a thread; fewer are not worth another one
 
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """The linear system, and the fluxes behind it.
+    """The linear system A x = b, kept as what makes it up: the rows of the faces, and which faces a cell has.
 
     Unknowns of a cell are u, v and p h / viscosity, with h the root of the mean cell area; momentum rows are divided by
     the viscosity and continuity rows by h, so entries are of order one whatever the units.
 
     Parameters
     ----------
-    matrix : bsr_array (3 t, 3 t), 3 x 3 blocks
-    right : (3 t,) float64
-    flux : bsr_array (3 m, 3 t)
-        Fluxes of momentum and mass through each face, out of its first cell, from the unknowns.
-    flux_constant : (m, 3) float64
-        What prescribed values add to them.
+    faces : Faces
+    tables : Tables
+    cell_faces : (t, 3) int32
+        Faces of each cell: f where it is the first cell of the face, ~f where it is the second.
+    smoothing : (m,) float64
+        Factor of the smoothing pressure correction in the mass flux through each face.
+    scale : float
+        h.
     part : (t,) int32
         Connected part of the fluid of each cell.
     closed : (k,) int32
         Parts without a prescribed pressure; theirs is known up to a constant.
-    scale : float
-        h.
-    tables : Tables
+    pins : (k,) int64
+        Lowest cell of each closed part. Its continuity follows from that of all the others and is replaced by p = 0.
+    given : (m, 3) float64
+        Fluxes through each face that prescribed values alone make.
+    right : (3 t,) float64
+        b.
     """
 
-    matrix: sparse.bsr_array
-    right: NDArray[np.float64]
-    flux: sparse.bsr_array
-    flux_constant: NDArray[np.float64]
+    faces: Faces
+    tables: Tables
+    cell_faces: NDArray[np.int32]
+    smoothing: NDArray[np.float64]
+    scale: float
     part: NDArray[np.int32]
     closed: NDArray[np.int32]
-    scale: float
-    tables: Tables
+    pins: NDArray[np.int64]
+    given: NDArray[np.float64]
+    right: NDArray[np.float64]
 
     @property
     def cells(self) -> int:
         """Number of cells t."""
-        return len(self.right) // 3
+        return len(self.cell_faces)
+
+    def fluxes(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Fluxes of momentum over viscosity and mass over h, out of the first cell of each face; float64 (m, 3)."""
+        return _fluxes(self.faces, self.smoothing, self.scale, self.tables.sums(unknowns)) + self.given
 
     @property
-    def pins(self) -> NDArray[np.int64]:
-        """Lowest cell of each closed part, whose continuity is replaced by zero pressure."""
-        return np.unique(self.part, return_index=True)[1][self.closed]
+    def matrix(self) -> sparse.bsr_array:
+        """A in double precision."""
+        return self.blocks(np.float64)
 
     def apply(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Multiply: A times a vector, float64 (3 t,)."""
-        return np.asarray(self.matrix @ unknowns)
+        fluxes = _fluxes(self.faces, self.smoothing, self.scale, self.tables.sums(unknowns))
+        product = _balance(self.cell_faces, fluxes)
+        product[self.pins, 2] = unknowns.reshape(-1, 3)[self.pins, 2]
+        return product.ravel()
 
-    def blocks(self) -> sparse.bsr_array:
-        """Give A in single precision, 3 x 3 blocks with sorted int32 indices, for factors."""
-        return self.matrix.astype(np.float32)
+    def blocks(self, kind: type[np.float32 | np.float64] = np.float32) -> sparse.bsr_array:
+        """Make A by 3 x 3 blocks with sorted int32 indices, for factors; in single precision unless told."""
+        faces, tables, cells = self.faces, self.tables, self.cells
+        rows = (self.cell_faces, faces.kind, faces.length, faces.normal, self.smoothing, self.scale)
+        table = (tables.start, tables.stop, tables.cell)
+        number = np.empty(cells, dtype=np.int32)
+        run_team(count_columns, cells // FEW, self.cell_faces, *table, number)
+        start = np.zeros(cells + 1, dtype=np.int32)
+        np.cumsum(number, out=start[1:])
+        columns, data = np.empty(start[-1], dtype=np.int32), np.empty((start[-1], 3, 3), dtype=kind)
+        run_team(fill_blocks, cells // FEW, *rows, *table, tables.weight, start, columns, data)
+        for cell in self.pins:
+            row = slice(start[cell], start[cell + 1])
+            data[row, 2, :] = 0.0
+            data[row, 2, 2] = columns[row] == cell
+        return sparse.bsr_array((data, columns, start), shape=(3 * cells, 3 * cells))
 
 
-def assemble(mesh: Triangulation, faces: Faces, viscosity: float, force: NDArray[np.float64]) -> System:
+def assemble(mesh: Triangulation, faces: Faces, viscosity: float, force: NDArray[np.float64], order: int = 2) -> System:
     """Assemble the system.
 
     Parameters
@@ -84,38 +115,48 @@ def assemble(mesh: Triangulation, faces: Faces, viscosity: float, force: NDArray
     viscosity : float
     force : (t, 2) float64
         Body force per area, periodic pressure gradients included.
+    order : int
+        Of the face fits, see `face_tables`.
 
     Raises
     ------
     InputError
         The prescribed velocities of a closed part do not balance.
     """
-    # Strategy: each face has a row of 3 x 3 blocks that give its fluxes; the balance of a cell is the signed sum of its
-    # three faces' rows, so A is one sparse product and conservation is exact by construction.
+    # Strategy: each face has a row of weights that give its fluxes; the balance of a cell is the signed sum of those
+    # of its three faces, so conservation is exact by construction. A is one matrix only for the solvers that factor it.
     cells = len(mesh.triangles)
     scale = float(np.sqrt(mesh.areas.mean()))
-    tables = face_tables(mesh, faces, faces.opening * (scale / viscosity))
-    flux, flux_constant = _fluxes(mesh, faces, tables, scale)
+    tables = face_tables(mesh, faces, faces.opening * (scale / viscosity), order)
+    smoothing = faces.length / scale**2 * smoothing_factor(mesh, faces)
+    given = _fluxes(faces, smoothing, scale, tables.constant.copy())
+    _add_prescribed(faces, scale, given)
     part, closed = _parts(faces, cells)
-    _close(faces, part, closed, flux_constant, scale)
+    _close(faces, part, closed, given, scale)
+    cell_faces = np.empty((cells, 3), dtype=np.int32)
+    list_cell_faces(faces.cells, cell_faces)
+    pins = np.unique(part, return_index=True)[1][closed]
+    right = -_balance(cell_faces, given)
+    right[:, :2] += force * (mesh.areas / viscosity)[:, None]
+    right[pins, 2] = 0.0
+    return System(faces, tables, cell_faces, smoothing, scale, part, closed, pins, given, right.ravel())
 
-    inner = faces.inner
-    rows = np.concatenate([faces.cells[:, 0], faces.cells[:inner, 1]])
-    columns = np.concatenate([np.arange(len(faces.ends)), np.arange(inner)])
-    signs = np.concatenate([np.ones(len(faces.ends)), -np.ones(inner)])
-    order = np.argsort(rows, kind="stable")
-    blocks = signs[order, None, None] * np.eye(3)
-    start = np.zeros(cells + 1, dtype=np.int32)
-    np.cumsum(np.bincount(rows, minlength=cells), out=start[1:])
-    balance = sparse.bsr_array((blocks, columns[order].astype(np.int32), start), shape=(3 * cells, flux.shape[0]))
-    matrix = balance @ flux
-    matrix.sort_indices()
-    right = np.zeros((cells, 3))
-    right[:, :2] = force * (mesh.areas / viscosity)[:, None]
-    right = right.ravel() - balance @ flux_constant.ravel()
-    for cell in _pins(part, closed):
-        _pin(matrix, right, cell)
-    return System(matrix, right, flux, flux_constant, part, closed, scale, tables)
+
+def _fluxes(
+    faces: Faces, smoothing: NDArray[np.float64], scale: float, sums: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Fluxes from the six sums of each face, which are overwritten."""
+    run_team(
+        fluxes_of_sums, len(sums) // FEW, faces.kind, faces.length, faces.normal, smoothing, scale, sums
+    )  # fmt: skip
+    return sums[:, :3]
+
+
+def _balance(cell_faces: NDArray[np.int32], fluxes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Signed sum of the fluxes out of each cell."""
+    out = np.empty((len(cell_faces), 3))
+    run_team(balance_cells, len(out) // FEW, cell_faces, fluxes, out)
+    return out
 
 
 def smoothing_factor(mesh: Triangulation, faces: Faces) -> NDArray[np.float64]:
@@ -129,43 +170,14 @@ def smoothing_factor(mesh: Triangulation, faces: Faces) -> NDArray[np.float64]:
     return np.asarray(SMOOTHING * 0.5 * (size[faces.cells[:, 0]] + size[other]) / faces.distance)
 
 
-def _fluxes(
-    mesh: Triangulation, faces: Faces, tables: Tables, scale: float
-) -> tuple[sparse.bsr_array, NDArray[np.float64]]:
-    """Rows of fluxes out of the first cell of each face, and their constant parts."""
-    length, normal, tangent, inner = faces.length, faces.normal, faces.tangent, faces.inner
-    # The part of the normal derivative that carries momentum: all of it inside, along the face at walls and openings,
-    # across it on mirror lines; the rest is known or zero.
-    carried = np.zeros((len(length), 2, 2))
-    carried[faces.kind == INNER] = np.eye(2)
-    for kinds, axis in (((MOVING, OPEN), tangent), ((MIRROR,), normal)):
-        chosen = np.isin(faces.kind, kinds)
-        carried[chosen] = axis[chosen, :, None] * axis[chosen, None, :]
-    passing = np.where((faces.kind == INNER) | (faces.kind == OPEN), length / scale, 0.0)
-    smoothing = passing * smoothing_factor(mesh, faces) / scale
-
-    face = np.repeat(np.arange(len(length)), np.diff(tables.start))
-    blocks = np.empty((len(face), 3, 3))
-    blocks[:, :2, :2] = (-length[face] * tables.weight[:, GRADIENT])[:, None, None] * carried[face]
-    blocks[:, :2, 2] = (length[face] / scale * tables.weight[:, PRESSURE])[:, None] * normal[face]
-    blocks[:, 2, :2] = (passing[face] * tables.weight[:, MEAN])[:, None] * normal[face]
-    blocks[:, 2, 2] = -smoothing[face] * tables.weight[:, JUMP]
-    shape = (3 * len(length), 3 * len(mesh.triangles))
-    flux = sparse.bsr_array((blocks, tables.cell, tables.start.astype(np.int32)), shape=shape)
-
-    given = tables.constant
-    constant = np.empty((len(length), 3))
-    constant[:, :2] = (length / scale * given[:, 5])[:, None] * normal
-    constant[:, :2] -= length[:, None] * np.einsum("fij,fj->fi", carried, given[:, :2])
-    constant[:, 2] = passing * np.einsum("fi,fi->f", given[:, 2:4], normal) - smoothing * given[:, 4]
-    # Where the velocity is given, continuity gives the rest: du_n/dn = -du_t/dt, and the mass flux is known.
+def _add_prescribed(faces: Faces, scale: float, given: NDArray[np.float64]) -> None:
+    """Where the velocity is given, continuity gives du_n/dn = -du_t/dt, and the mass flux is known; adds to `given`."""
     moving = np.flatnonzero(faces.kind == MOVING)
-    profile = faces.profile[moving - inner]
-    stretch = np.einsum("fi,fi->f", profile[:, 2] - profile[:, 0], tangent[moving])
-    constant[moving, :2] += stretch[:, None] * normal[moving]
+    profile = faces.profile[moving - faces.inner]
+    stretch = np.einsum("fi,fi->f", profile[:, 2] - profile[:, 0], faces.tangent[moving])
+    given[moving, :2] += stretch[:, None] * faces.normal[moving]
     mean = (profile[:, 0] + 4.0 * profile[:, 1] + profile[:, 2]) / 6.0
-    constant[moving, 2] = length[moving] / scale * np.einsum("fi,fi->f", mean, normal[moving])
-    return flux, constant
+    given[moving, 2] = faces.length[moving] / scale * np.einsum("fi,fi->f", mean, faces.normal[moving])
 
 
 def _parts(faces: Faces, cells: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
@@ -199,17 +211,3 @@ def _close(
                 "pressure: balance them or give one side a Pressure"
             )
         flux_constant[chosen, 2] -= missing * np.abs(flux) / passing
-
-
-def _pins(part: NDArray[np.int32], closed: NDArray[np.int32]) -> list[int]:
-    """Lowest cell of each closed part."""
-    _, first = np.unique(part, return_index=True)
-    return [int(first[k]) for k in closed]
-
-
-def _pin(matrix: sparse.bsr_array, right: NDArray[np.float64], cell: int) -> None:
-    """Replace a cell's continuity (it follows from all the others) by zero pressure; changes both in place."""
-    row = slice(matrix.indptr[cell], matrix.indptr[cell + 1])
-    matrix.data[row, 2, :] = 0.0
-    matrix.data[row, 2, 2] = np.where(matrix.indices[row] == cell, 1.0, 0.0)
-    right[3 * cell + 2] = 0.0

@@ -138,7 +138,7 @@ def solve_stokes(
     faces = build_faces(mesh, conditions)
     given = np.zeros((len(mesh.triangles), 2)) if force is None else _force(force, len(mesh.triangles))
     system = assemble(mesh, faces, viscosity, given + faces.gradient)
-    solution = solve(system.matrix, system.right)
+    solution = solve(system.blocks(np.float64), system.right)
     return _flow(mesh, faces, system, viscosity, solution.unknowns, solution.residual, {
         "unknowns": len(system.right),
         "solver": solution.solver,
@@ -174,7 +174,7 @@ def _flow(
     pressure -= level[system.part]
     wall_pressure -= level[system.part[at_walls]]
 
-    flux = (system.flux @ unknowns).reshape(-1, 3)[:, 2] + system.flux_constant[:, 2]
+    flux = np.ascontiguousarray(system.fluxes(unknowns)[:, 2])
     total, worst, noise = _imbalance(faces, flux, cells)
     if not max(total, worst) <= max(LIMIT, noise):
         raise ComputationError(

@@ -12,14 +12,19 @@ from vasculo.flow.faces import MOVING, OPEN
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FADING = 1.25  # an equation counts with its distance from the face to the power -1.25
 WALL_WEIGHT = 2.0  # of a prescribed value at a boundary face's middle; its two ends share as much
 NEAREST = 0.2  # in face lengths: an opening nearer than this counts as if it were this far
 FRONT = 0.3  # a boundary fit takes cells at least this part of its own cell's distance in front of the wall line
 SLACK = 1e-9  # in face lengths: how far behind a line is behind
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
+def fading(away: float) -> float:
+    """Weight of an equation by its distance from the face in face lengths: to the power -1.25."""
+    return 1.0 / (away * np.sqrt(np.sqrt(away)))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
 def collect(
     pressure: bool,
     bounded: bool,
@@ -74,7 +79,7 @@ def collect(
         if seen:
             source[rows] = k
             at[rows, 0], at[rows, 1] = cell_at[k, 0], cell_at[k, 1]
-            weight[rows] = (cell_at[k, 0] ** 2 + cell_at[k, 1] ** 2) ** (-0.5 * FADING)
+            weight[rows] = fading(np.sqrt(cell_at[k, 0] ** 2 + cell_at[k, 1] ** 2))
             rows += 1
     for g in range(n_near):
         dx, dz = near_at[g, 2] - near_at[g, 0], near_at[g, 3] - near_at[g, 1]
@@ -94,6 +99,6 @@ def collect(
                 value[rows, 0], value[rows, 1] = profile[near[g], p, 0], profile[near[g], p, 1]
             source[rows] = -1
             at[rows, 0], at[rows, 1] = xi, zeta
-            weight[rows] = share * away**-FADING
+            weight[rows] = share * fading(away)
             rows += 1
     return rows

@@ -29,7 +29,7 @@ DEPENDENT = 1e-14  # a column this short after scaling and clearing is dependent
 DEGENERATE = 1e30  # condition then reported
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def term(family: int, k: int, xi: float, zeta: float) -> float:
     """Value of term `k` of a family of polynomials."""
     value = 1.0
@@ -40,7 +40,7 @@ def term(family: int, k: int, xi: float, zeta: float) -> float:
     return value
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def make_unit(work: NDArray[np.float64], rows: int, k: int) -> float:
     """Scale column `k` (a row of `work`, overwritten) to length one over its first `rows`; return its old length."""
     total = 0.0
@@ -52,7 +52,7 @@ def make_unit(work: NDArray[np.float64], rows: int, k: int) -> float:
     return length
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def clear(work: NDArray[np.float64], rows: int, k: int, unit: int) -> None:
     """Make column `k` (overwritten) orthogonal to the column `unit` of length one."""
     dot = 0.0
@@ -62,7 +62,7 @@ def clear(work: NDArray[np.float64], rows: int, k: int, unit: int) -> None:
         work[k, j] -= dot * work[unit, j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def fit_weights(
     family: int,
     rows: int,

@@ -18,7 +18,7 @@ MAX_RIM = 96
 TOP_LEVEL = 3
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def grow(
     level: int,
     face: int,

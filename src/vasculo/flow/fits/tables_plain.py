@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.flow.faces import INNER, MOVING, OPEN
-from vasculo.flow.fits.data import FADING, FRONT, NEAREST, SLACK, WALL_WEIGHT
+from vasculo.flow.fits.data import FRONT, NEAREST, SLACK, WALL_WEIGHT
 from vasculo.flow.fits.fit import AT_REST, LINEAR, OUTFLOW, QUADRATIC, TERMS, fit_weights_plain
+from vasculo.flow.fits.functionals import ALPHA, GRADIENT, JUMP, MEAN, PRESSURE
 from vasculo.flow.fits.stencil import stencil_plain
-from vasculo.flow.fits.tables import ALPHA, GRADIENT, JUMP, MEAN, PRESSURE
+
+FADING = 1.25  # power of the distance with which an equation counts less
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

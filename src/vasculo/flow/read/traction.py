@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from vasculo.flow.fits.tables import GRADIENT, PRESSURE
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -49,20 +47,8 @@ def wall_traction(faces: Faces, system: System, unknowns: NDArray[np.float64], v
     viscosity : float
     """
     chosen = faces.edge_face[faces.is_wall]
-    tables = system.tables
-    start, stop = tables.start[chosen], tables.start[chosen + 1]
-    counts = stop - start
-    owner = np.repeat(np.arange(len(chosen)), counts)
-    place = np.arange(int(counts.sum())) + np.repeat(start - np.cumsum(counts) + counts, counts)
-    values = unknowns.reshape(-1, 3)[tables.cell[place]]
-    gradient = tables.constant[chosen, :2].copy()
-    pressure = tables.constant[chosen, 5].copy()
-    for axis in range(2):
-        gradient[:, axis] += np.bincount(
-            owner, weights=tables.weight[place, GRADIENT] * values[:, axis], minlength=len(chosen)
-        )
-    pressure += np.bincount(owner, weights=tables.weight[place, PRESSURE] * values[:, 2], minlength=len(chosen))
-
+    sums = system.tables.sums(unknowns)[chosen] + system.tables.constant[chosen]
+    gradient, pressure = sums[:, :2], sums[:, 5]
     tangent, normal = faces.tangent[chosen], faces.normal[chosen]
     profile = faces.profile[chosen - faces.inner]
     along = (profile[:, 2] - profile[:, 0]) / faces.length[chosen, None]
