@@ -103,6 +103,7 @@ def solve_stokes(
     viscosity: float = 1.0,
     *,
     force: ArrayLike | None = None,
+    order: int = 2,
 ) -> Flow:
     """Solve ``grad p = viscosity laplace u + force``, ``div u = 0`` (Szczerba & Szekely 2005, eqs (6)-(10)).
 
@@ -119,6 +120,8 @@ def solve_stokes(
         Dynamic viscosity (force times time per area of model length), positive.
     force : array_like, (2,) or (t, 2), optional
         Body force per area.
+    order : int, default 2
+        Of the face fits. 2: quadratic. 1: the classical form with linear gradients, to compare with.
 
     Returns
     -------
@@ -134,10 +137,12 @@ def solve_stokes(
     """
     if not (isinstance(viscosity, (int, float, np.floating, np.integer)) and isfinite(viscosity) and viscosity > 0):
         raise InputError(f"viscosity is {viscosity!r}: give a positive number")
+    if order not in {1, 2}:
+        raise InputError(f"order is {order!r}: give 1 (linear gradients) or 2 (quadratic fits)")
     viscosity = float(viscosity)
     faces = build_faces(mesh, conditions)
     given = np.zeros((len(mesh.triangles), 2)) if force is None else _force(force, len(mesh.triangles))
-    system = assemble(mesh, faces, viscosity, given + faces.gradient)
+    system = assemble(mesh, faces, viscosity, given + faces.gradient, order)
     solution = solve(system.blocks(np.float64), system.right)
     return _flow(mesh, faces, system, viscosity, solution.unknowns, solution.residual, {
         "unknowns": len(system.right),
