@@ -160,8 +160,26 @@ def test_draw(disk):
     assert result.exit_code == 0, result.output
     assert result.stdout.strip() == str(disk / "figures" / "flow-0001.png")
     assert len(call("draw", disk).stdout.splitlines()) == 4
-    one_line(call("draw", disk, "--movie"), 2, "--what springs, mesh, flow, shear or pillars")
+    one_line(call("draw", disk, "--movie"), 2, "--what springs, mesh, flow, shear, pillars or network")
     one_line(call("draw", disk, "--what", "springs"), 2, "no recorded step of vasculogenesis")
+
+
+def test_the_network(disk, tmp_path):
+    result = call("draw", disk, "--what", "network", "--step", "1")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.strip() == str(disk / "figures" / "network-0001.png")
+    one_line(call("draw", disk, "--what", "network", "--movie"), 2, "leave --movie out")
+    one_line(call("draw", disk, "--what", "network", "--step", "7"), 2, "no record of angiogenesis step 7")
+    table = tmp_path / "tubules.csv"
+    result = call("measure", disk, "--tubules", table)
+    assert result.exit_code == 0, result.output
+    with table.open() as file:
+        rows = {row["other"]: row for row in csv.DictReader(file)}
+    assert set(rows) == {"bottom", "left", "right", "top"}
+    assert rows["left"]["flux"] == "nan"
+    # the disk stands in the middle, between mirror lines: half of the flow on either side
+    for column in ("flux", "network_flux"):
+        assert float(rows["top"][column]) == pytest.approx(-float(rows["bottom"][column]), rel=0.02)
 
 
 def test_report(disk):

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from vasculo import measure
     from vasculo.errors import ComputationError, InputError
     from vasculo.flow.boundary import Periodic, Pressure, Slip, Velocity, Wall
-    from vasculo.flow.stokes import Flow, solve_stokes
+    from vasculo.flow.solution import Flow
+    from vasculo.flow.stokes import solve_stokes
     from vasculo.geometry.domain import Domain
     from vasculo.mesh.generate import generate_mesh
     from vasculo.mesh.repair.repair import repair_mesh
@@ -34,7 +35,7 @@ _HOMES = {
     "ComputationError": "errors",
     "Domain": "geometry.domain",
     "Extraction": "plexus.parameters",
-    "Flow": "flow.stokes",
+    "Flow": "flow.solution",
     "ImageExtraction": "plexus.image",
     "InputError": "errors",
     "Periodic": "flow.boundary",

@@ -140,17 +140,22 @@ def measure(
         Path | None,
         typer.Option("--passages", metavar="FILE", help="Write the passages between the pillars here, as CSV."),
     ] = None,
+    tubules: Annotated[
+        Path | None,
+        typer.Option("--tubules", metavar="FILE", help="Write the flow through the passages here, as CSV."),
+    ] = None,
 ) -> None:
     """Print the numbers of a run."""
     from vasculo.store.read import open_run  # noqa: PLC0415
     from vasculo.study.show import passages_text, show_numbers, table_text  # noqa: PLC0415
+    from vasculo.study.tubules import tubules_text  # noqa: PLC0415
 
     found = open_run(run)
-    for file in (csv, passages):
+    for file in (csv, passages, tubules):
         if file is not None and (file.is_dir() or not file.parent.is_dir()):
             raise InputError(f"{file} cannot be written: name a file in a folder that is there")
     show_numbers(found)
-    for file, text_of in ((csv, table_text), (passages, passages_text)):
+    for file, text_of in ((csv, table_text), (passages, passages_text), (tubules, tubules_text)):
         if file is not None:
             from vasculo.store.table import write_whole  # noqa: PLC0415
 
@@ -164,7 +169,7 @@ def measure(
 def draw(
     run: RunFolder,
     what: Annotated[
-        Literal["springs", "mesh", "flow", "shear", "pillars"] | None,
+        Literal["springs", "mesh", "flow", "shear", "pillars", "network"] | None,
         typer.Option("--what", help="One picture of one step; all figures when left out."),
     ] = None,
     step: Annotated[int | None, typer.Option("--step", metavar="N", help="Step to draw; the last by default.")] = None,
@@ -178,11 +183,17 @@ def draw(
     from vasculo.draw.single import draw_movie, draw_one  # noqa: PLC0415
 
     if what is None and (movie or step is not None):
-        raise InputError("say what to draw: --what springs, mesh, flow, shear or pillars")
+        raise InputError("say what to draw: --what springs, mesh, flow, shear, pillars or network")
     if movie and step is not None:
         raise InputError("--movie takes all steps: leave --step out")
+    if movie and what == "network":
+        raise InputError("a network is drawn for one step: leave --movie out")
     if what is None:
         files = draw_all(found)
+    elif what == "network":
+        from vasculo.study.tubules import draw_tubules  # noqa: PLC0415
+
+        files = [draw_tubules(found, step)]
     elif movie:
         files = [draw_movie(found, what)]
     else:

@@ -8,10 +8,10 @@ from vasculo.mesh.triangulation import Triangulation
 SIDES = ("bottom", "right", "top", "left")
 
 
-def rectangle(width=1.0, height=1.0, across=8, seed=0, jitter=0.25, turn=0.0):
+def rectangle(width=1.0, height=1.0, across=8, seed=0, jitter=0.25, turn=0.0, columns=None):
     """Jittered rows of points and their Delaunay triangles; sides named; `turn` rotates it all about the origin."""
     ny = across
-    nx = max(3, round(width / height * across))
+    nx = columns or max(3, round(width / height * across))
     x, y = np.meshgrid(np.linspace(0.0, width, nx + 1), np.linspace(0.0, height, ny + 1), indexing="ij")
     inside = (x > 0) & (x < width) & (y > 0) & (y < height)
     rng = np.random.default_rng(seed)
@@ -19,12 +19,40 @@ def rectangle(width=1.0, height=1.0, across=8, seed=0, jitter=0.25, turn=0.0):
     x = x + np.where(inside & (np.arange(ny + 1) % 2 == 1), 0.25 * width / nx, 0.0)
     y = y + np.where(inside, jitter * height / ny * rng.uniform(-1.0, 1.0, y.shape), 0.0)
     points = np.column_stack([x.ravel(), y.ravel()])
-    triangles = Delaunay(points).simplices
-    corner = points[triangles]
-    one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    area = 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
-    triangles = np.where((area < 0)[:, None], triangles[:, ::-1], triangles)[np.abs(area) > 1e-9 * width * height]
+    triangles, _ = _delaunay(points, 1e-9 * width * height)
     return _tagged(_turned(points, turn), triangles, lambda middle: _side(_turned(middle, -turn), width, height))
+
+
+def scattered(across, seed=0, sweeps=0):
+    """Unit square with points thrown at random inside and evenly on its rim: slivers, and small beside large triangles.
+
+    Each sweep moves the inner points to the centroids of the triangles around them (Lloyd), which evens the mesh out.
+    About 2.3 `across`^2 triangles.
+    """
+    rim = _rim(across)
+    inner = np.random.default_rng(seed).uniform(0.0, 1.0, (round(across**2 * 2.0 / np.sqrt(3.0)), 2))
+    for k in range(sweeps + 1):
+        points = np.concatenate([rim, inner])
+        triangles, area = _delaunay(points, 1e-12)
+        if k < sweeps:
+            share = np.repeat(area, 3)
+            moment = np.repeat(points[triangles].mean(axis=1), 3, axis=0) * share[:, None]
+            x, y, total = (np.bincount(triangles.ravel(), part)[len(rim) :] for part in (*moment.T, share))
+            inner = np.column_stack([x / total, y / total])
+    return _tagged(points, triangles, lambda middle: _side(middle, 1.0, 1.0))
+
+
+def fan(across=1, centre=(0.5, 0.5)):
+    """Unit square cut into triangles around one point, inside or the corner (0, 0), `across` on each side."""
+    rim = _rim(across)
+    around = np.arange(4 * across)
+    inside = min(centre) > 0.0
+    points = np.concatenate([rim, [centre]]) if inside else rim
+    hub = np.full(len(around), len(rim) if inside else 0)
+    triangles = np.column_stack([hub, around, np.roll(around, -1)])
+    if not inside:
+        triangles = triangles[across:-across]  # without the sides that end in the corner
+    return _tagged(points, triangles, lambda middle: _side(middle, 1.0, 1.0))
 
 
 def annulus(across=6, around=40, inner=0.5, outer=1.0, seed=0, jitter=0.2):
@@ -64,6 +92,24 @@ def cylinder_in_square(fraction, around=48, across=None, jitter=0.15, seed=0, ex
         points.reshape(-1, 2) + 0.5, _rings(points), lambda at: np.where(
             np.abs(at - 0.5).max(axis=1) < 0.5 - 1e-9, tag, _side(at, 1.0, 1.0)), pillar=tag
     )  # fmt: skip
+
+
+def _rim(across):
+    """Points on the sides of the unit square, `across` a side, counter-clockwise from (0, 0)."""
+    step = np.arange(across) / across
+    level = np.zeros(across)
+    sides = (step, level), (level + 1.0, step), (1.0 - step, level + 1.0), (level, 1.0 - step)
+    return np.concatenate([np.column_stack(side) for side in sides])
+
+
+def _delaunay(points, smallest):
+    """Counter-clockwise Delaunay triangles with more than the smallest area, and their areas."""
+    triangles = Delaunay(points).simplices
+    corner = points[triangles]
+    one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area = 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+    kept = np.abs(area) > smallest
+    return np.where((area < 0)[:, None], triangles[:, ::-1], triangles)[kept], np.abs(area[kept])
 
 
 def _rings(points):

@@ -15,12 +15,13 @@ def test_linear_gradients_are_second_order_in_velocity_and_first_in_pressure_and
     for order, row in rows.items():
         for across in (12, 24, 48):
             mesh = rectangle(1.0, 1.0, across, seed=1)
-            row.append(errors(mesh, solve_stokes(mesh, {}, force=AT_REST.force(mesh), order=order), AT_REST))
+            row.append(errors(mesh, solve_stokes(mesh, {}, force=AT_REST.body_force, order=order), AT_REST))
     slope = np.log2(np.array(rows[1])[:-1] / np.array(rows[1])[1:])
     assert (slope[:, 0] > 1.9).all(), slope
     assert ((slope[:, [1, 3]] > 0.9) & (slope[:, [1, 3]] < 1.6)).all(), slope
     gain = np.array(rows[1][-1]) / np.array(rows[2][-1])
-    assert (gain[[0, 1, 3]] > 4.0).all(), gain
+    assert gain[0] > 3.0, gain
+    assert (gain[[1, 3]] > 6.0).all(), gain
 
 
 def test_linear_gradients_are_not_exact_for_poiseuille_but_balance_mass():

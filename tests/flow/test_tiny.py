@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vasculo.errors import ComputationError
+from vasculo.errors import InputError
 from vasculo.flow.boundary import Pressure, Slip, Velocity
 from vasculo.flow.stokes import solve_stokes
 from vasculo.mesh.triangulation import Triangulation
@@ -47,5 +47,5 @@ def test_differences_of_two_cells_are_the_last_resort():
 
 
 def test_what_no_wall_holds_back_is_refused():
-    with pytest.raises(ComputationError, match="no wall holds back"):
+    with pytest.raises(InputError, match="no wall holds back"):
         solve_stokes(TWO, {"left": Pressure(1.0), "right": Pressure(0.0), "top": Slip(), "bottom": Slip()})

@@ -1,12 +1,15 @@
 import numpy as np
 import pytest
+from tests.flow.meshes import cylinder_in_square
 
 from vasculo import measure
 from vasculo.errors import InputError
-from vasculo.flow.boundary import Pressure, Slip
+from vasculo.flow.boundary import Periodic, Pressure, Slip
 from vasculo.flow.stokes import solve_stokes
 from vasculo.geometry.domain import Domain
+from vasculo.measure.hydraulics import permeability_tensor
 from vasculo.mesh.generate import generate_mesh
+from vasculo.mesh.triangulation import Triangulation
 from vasculo.plexus.voronoi import disk_domain, voronoi_plexus
 
 MIRRORS = {"top": Slip(), "bottom": Slip()}
@@ -97,3 +100,74 @@ def test_nothing_to_measure():
         measure.alignment(empty, flow)
     with pytest.raises(InputError, match="no pressure drop"):
         measure.permeability(empty, flow, "left", "left")
+
+
+def test_drag_of_a_pillar_without_walls_is_nothing(disk):
+    domain, _ = disk
+    flow = solved(domain, pillars=Slip(), **MIRRORS)
+    np.testing.assert_array_equal(measure.pillar_drag(domain, flow), np.zeros((1, 2)))
+
+
+@pytest.mark.parametrize(("fraction", "drag"), [(0.05, 15.557822), (0.3, 102.881304)])
+def test_permeability_tensor_of_the_square_array(fraction, drag):
+    # L^2 viscosity U / F, isotropic (multipole series)
+    found = permeability_tensor(cylinder_in_square(fraction, around=96, exact_area=False))
+    np.testing.assert_allclose(found * drag, np.eye(2), atol=1e-3)
+
+
+def oblique(around=48, turn=0.35):
+    """Square cell with a long ellipse that lies across."""
+    mesh = cylinder_in_square(0.1, around)
+    at = mesh.points - 0.5
+    c, s = np.cos(turn), np.sin(turn)
+    along = at @ np.array([[c, -s], [s, c]])
+    # fades out towards the sides
+    fade = np.clip(1.0 - 2.0 * np.abs(at).max(axis=1), 0.0, None) / (1.0 - 2.0 * np.sqrt(0.1 / np.pi))
+    stretched = along * (1.0 + np.minimum(fade, 1.0)[:, None] * np.array([0.45, -0.45]))
+    points = 0.5 + stretched @ np.array([[c, s], [-s, c]])
+    return Triangulation(points, mesh.triangles, mesh.boundary_edges, mesh.boundary_tags, mesh.side_names)
+
+
+def test_permeability_tensor_of_an_oblique_array():
+    away = []
+    for around in (24, 48, 96):
+        found = permeability_tensor(oblique(around))
+        low, high = np.linalg.eigvalsh(0.5 * (found + found.T))
+        assert 0.0 < low < 0.9 * high
+        away.append(abs(found[0, 1] - found[1, 0]) / high)
+        assert found[0, 1] > 0.02 * high
+    assert away[2] < min(1e-3, 0.3 * away[1])
+    # against a turn of the whole by a right angle
+    turned = permeability_tensor(oblique(96, 0.35 + 0.5 * np.pi))
+    np.testing.assert_allclose(turned, [[found[1, 1], -found[1, 0]], [-found[0, 1], found[0, 0]]], atol=2e-3 * high)
+
+
+def test_permeability_tensor_of_a_turned_cell():
+    mesh = oblique(24)
+    c, s = np.cos(0.7), np.sin(0.7)
+    turn = np.array([[c, -s], [s, c]])
+    turned = Triangulation(
+        mesh.points @ turn.T + 3.0, mesh.triangles, mesh.boundary_edges, mesh.boundary_tags, mesh.side_names
+    )
+    straight = permeability_tensor(mesh)
+    np.testing.assert_allclose(permeability_tensor(turned), turn @ straight @ turn.T, atol=1e-9 * straight[0, 0])
+
+
+def test_permeability_tensor_of_a_parallelogram_gives_the_mean_velocity():
+    mesh = cylinder_in_square(0.1, 96)
+    sheared = Triangulation(
+        mesh.points @ [[1.0, 0.0], [0.5, 1.0]], mesh.triangles, mesh.boundary_edges, mesh.boundary_tags, mesh.side_names
+    )
+    found = permeability_tensor(sheared)
+    flow = solve_stokes(sheared, {"left": Periodic("right", 1.0), "bottom": Periodic("top", -0.5)}, viscosity=2.0)
+    mean = sheared.areas @ flow.velocity
+    # drops over the sides (1, 0) and (0.5, 1)
+    np.testing.assert_allclose(2.0 * mean, found @ [1.0, -1.0], rtol=2e-3)
+    assert found[0, 1] == pytest.approx(found[1, 0], rel=1e-2)
+
+
+def test_faults_of_the_tensor():
+    with pytest.raises(InputError, match="not four different"):
+        permeability_tensor(cylinder_in_square(0.1, 24), ("left", "right"), ("left", "top"))
+    with pytest.raises(InputError, match="no side is called 'up'"):
+        permeability_tensor(cylinder_in_square(0.1, 24), ("left", "right"), ("bottom", "up"))

@@ -8,21 +8,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import sparse
 
-from vasculo.errors import InputError
 from vasculo.flow.balance import balance_cells, fluxes_of_sums, list_cell_faces
 from vasculo.flow.blocks import count_columns, fill_blocks
-from vasculo.flow.faces import MOVING, OPEN, Faces
+from vasculo.flow.faces import MOVING, Faces
 from vasculo.flow.fits.tables import Tables, face_tables
+from vasculo.flow.parts import balanced_flux, find_parts
 from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vasculo.flow.parts import Parts
     from vasculo.mesh.triangulation import Triangulation
 
 SMOOTHING = 3.0  # kappa of the smoothing pressure correction: below 2 graded meshes can oscillate
-LEAK = 0.1  # the largest part of the prescribed flow of a closed domain that may be missing
-ROUND_OFF = 1e-9
 FEW = 4000  # faces or cells a thread; fewer are not worth another one
 
 
@@ -105,7 +104,14 @@ class System:
         return sparse.bsr_array((data, columns, start), shape=(3 * cells, 3 * cells))
 
 
-def assemble(mesh: Triangulation, faces: Faces, viscosity: float, force: NDArray[np.float64], order: int = 2) -> System:
+def assemble(
+    mesh: Triangulation,
+    faces: Faces,
+    viscosity: float,
+    force: NDArray[np.float64],
+    order: int = 2,
+    parts: Parts | None = None,
+) -> System:
     """Assemble the system.
 
     Parameters
@@ -117,29 +123,27 @@ def assemble(mesh: Triangulation, faces: Faces, viscosity: float, force: NDArray
         Body force per area, periodic pressure gradients included.
     order : int
         Of the face fits, see `face_tables`.
-
-    Raises
-    ------
-    InputError
-        The prescribed velocities of a closed part do not balance.
+    parts : Parts, optional
+        The connected parts of the fluid, if they are known already.
     """
     # Strategy: each face has a row of weights that give its fluxes; the balance of a cell is the signed sum of those
     # of its three faces, so conservation is exact by construction. A is one matrix only for the solvers that factor it.
     cells = len(mesh.triangles)
+    parts = parts or find_parts(faces, cells)
     scale = float(np.sqrt(mesh.areas.mean()))
     tables = face_tables(mesh, faces, faces.opening * (scale / viscosity), order)
     smoothing = faces.length / scale**2 * smoothing_factor(mesh, faces)
     given = _fluxes(faces, smoothing, scale, tables.constant.copy())
-    _add_prescribed(faces, scale, given)
-    part, closed = _parts(faces, cells)
-    _close(faces, part, closed, given, scale)
+    _add_prescribed(faces, given)
+    given[faces.inner :, 2] += balanced_flux(faces, parts) / scale
     cell_faces = np.empty((cells, 3), dtype=np.int32)
     list_cell_faces(faces.cells, cell_faces)
-    pins = np.unique(part, return_index=True)[1][closed]
     right = -_balance(cell_faces, given)
     right[:, :2] += force * (mesh.areas / viscosity)[:, None]
-    right[pins, 2] = 0.0
-    return System(faces, tables, cell_faces, smoothing, scale, part, closed, pins, given, right.ravel())
+    right[parts.pins, 2] = 0.0
+    return System(
+        faces, tables, cell_faces, smoothing, scale, parts.label, parts.closed, parts.pins, given, right.ravel()
+    )  # fmt: skip
 
 
 def _fluxes(
@@ -170,44 +174,9 @@ def smoothing_factor(mesh: Triangulation, faces: Faces) -> NDArray[np.float64]:
     return np.asarray(SMOOTHING * 0.5 * (size[faces.cells[:, 0]] + size[other]) / faces.distance)
 
 
-def _add_prescribed(faces: Faces, scale: float, given: NDArray[np.float64]) -> None:
-    """Where the velocity is given, continuity gives du_n/dn = -du_t/dt, and the mass flux is known; adds to `given`."""
+def _add_prescribed(faces: Faces, given: NDArray[np.float64]) -> None:
+    """Where the velocity is given, continuity gives du_n/dn = -du_t/dt; adds to `given`."""
     moving = np.flatnonzero(faces.kind == MOVING)
     profile = faces.profile[moving - faces.inner]
     stretch = np.einsum("fi,fi->f", profile[:, 2] - profile[:, 0], faces.tangent[moving])
     given[moving, :2] += stretch[:, None] * faces.normal[moving]
-    mean = (profile[:, 0] + 4.0 * profile[:, 1] + profile[:, 2]) / 6.0
-    given[moving, 2] = faces.length[moving] / scale * np.einsum("fi,fi->f", mean, faces.normal[moving])
-
-
-def _parts(faces: Faces, cells: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Find connected parts of the fluid, and those without a prescribed pressure."""
-    pairs = faces.cells[: faces.inner]
-    graph = sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(cells, cells))
-    total, part = sparse.csgraph.connected_components(graph, directed=False)
-    is_open = np.zeros(total, dtype=bool)
-    is_open[part[faces.cells[faces.kind == OPEN, 0]]] = True
-    return part, np.flatnonzero(~is_open).astype(np.int32)
-
-
-def _close(
-    faces: Faces, part: NDArray[np.int32], closed: NDArray[np.int32], flux_constant: NDArray[np.float64], scale: float
-) -> None:
-    """Make the prescribed mass fluxes of closed parts sum to zero, each by its share; changes `flux_constant`."""
-    moving = np.flatnonzero(faces.kind == MOVING)
-    where = part[faces.cells[moving, 0]]
-    speed = np.abs(faces.profile[moving - faces.inner]).max(axis=(1, 2), initial=0.0) * faces.length[moving]
-    for k in closed:
-        chosen = moving[where == k]
-        flux = flux_constant[chosen, 2]
-        missing, passing = float(np.sum(flux)), float(np.sum(np.abs(flux)))
-        if passing == 0.0:
-            continue
-        noise = ROUND_OFF * float(np.sum(speed[where == k]))
-        if abs(missing) > max(LEAK * passing, noise):
-            into, out = -float(np.sum(flux[flux < 0.0])), float(np.sum(flux[flux > 0.0]))
-            raise InputError(
-                f"prescribed velocities bring in {into * scale:.6g} and take out {out * scale:.6g} and no side has a "
-                "pressure: balance them or give one side a Pressure"
-            )
-        flux_constant[chosen, 2] -= missing * np.abs(flux) / passing

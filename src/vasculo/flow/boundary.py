@@ -1,36 +1,83 @@
-"""Boundary conditions: what can hold on a side of the domain, and which edge has which."""
+"""Boundary conditions: what can hold on a side of the domain or on a pillar, and which name has which."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vasculo.errors import InputError
+from vasculo.flow.parabola import Parabola
+from vasculo.flow.values import Array, Field, Scalar, scalar_at, vector_at
+from vasculo.geometry.outline import is_number
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from vasculo.mesh.triangulation import Triangulation
 
-Array = NDArray[np.float64]
-Component = float | Callable[[Array, Array], Array]
-Field = Callable[[Array, Array], tuple[Array, Array]]
-
 PILLARS = "pillars"
+PILLAR = re.compile(r"pillar (0|[1-9][0-9]*)")
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """Velocity of a rigid body that turns: `rate` (angle per time, counter-clockwise) about `centre`."""
+
+    rate: float
+    centre: tuple[float, float] = (0.0, 0.0)
+
+    def __call__(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Return both components at places x, y."""
+        return -self.rate * (y - self.centre[1]), self.rate * (x - self.centre[0])
 
 
 @dataclass(frozen=True)
 class Wall:
-    """No-slip wall at rest: the velocity is zero."""
+    """No-slip wall: the fluid has the velocity of the wall, which is at rest unless told.
+
+    Parameters
+    ----------
+    velocity : pair of float or callable, or callable
+        Velocity of the wall (model length per time): two components, each a number or a function of the coordinates
+        (two float64 arrays) that returns an array of their shape, or one function that returns both.
+    """
+
+    velocity: tuple[Scalar, Scalar] | Field = (0.0, 0.0)
+
+    @classmethod
+    def turning(cls, rate: float, centre: tuple[float, float] = (0.0, 0.0)) -> Wall:
+        """Wall that turns like a rigid body.
+
+        Parameters
+        ----------
+        rate : float
+            Angle per time, counter-clockwise.
+        centre : pair of float, model length
+
+        Raises
+        ------
+        InputError
+            A rate or a centre that is not finite.
+        """
+        if not _is_finite(rate):
+            raise InputError(f"rate of a turning wall is {rate!r}: give a finite number")
+        if not (isinstance(centre, (tuple, list, np.ndarray)) and len(centre) == 2 and all(map(_is_finite, centre))):
+            raise InputError(f"centre of a turning wall is {centre!r}: give two finite numbers")
+        return cls(Rotation(float(rate), (float(centre[0]), float(centre[1]))))
+
+    def at(self, points: Array, name: str) -> Array:
+        """Evaluate at points, float64 (..., 2); `name` of the side is for messages only."""
+        return vector_at(self.velocity, points, f"velocity of the wall {name!r}")
 
 
 @dataclass(frozen=True)
 class Velocity:
-    """Prescribed velocity: an inlet, an outlet or a moving wall.
+    """Prescribed velocity of an inlet or an outlet.
 
     Parameters
     ----------
@@ -40,32 +87,39 @@ class Velocity:
         ``Velocity(1.0, 0.0)``.
     """
 
-    x: Component | Field
-    y: Component | None = None
+    x: Scalar | Field | Parabola
+    y: Scalar | None = None
 
-    def at(self, points: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+    @classmethod
+    def parabolic(cls, mean: float | None = None, *, peak: float | None = None) -> Velocity:
+        """Parabolic inlet, the flow between parallel plates; see `vasculo.flow.parabola.Parabola` for bent sides.
+
+        Parameters
+        ----------
+        mean : float
+            Mean speed into the fluid (model length per time), negative for an outlet.
+        peak : float
+            Instead of it: the highest speed, 1.5 times the mean.
+
+        Raises
+        ------
+        InputError
+            Not one of them given, or not finite.
+        """
+        if (mean is None) == (peak is None):
+            raise InputError(f"a parabolic velocity has mean {mean!r} and peak {peak!r}: give one of them")
+        given = peak if mean is None else mean
+        if not _is_finite(given):
+            raise InputError(f"the {'peak' if mean is None else 'mean'} of a parabolic velocity is {given!r}")
+        return cls(Parabola(float(given) / (1.5 if mean is None else 1.0)))  # type: ignore[arg-type]
+
+    def at(self, points: Array, name: str) -> Array:
         """Evaluate at points, float64 (..., 2); `name` of the side is for messages only."""
-        x, y = points[..., 0], points[..., 1]
-        first = self.x(x, y) if callable(self.x) else self.x
-        second = self.y(x, y) if callable(self.y) else self.y
-        if second is None:
-            first, second = first if isinstance(first, tuple) and len(first) == 2 else (first, 0.0)
-        values = np.empty(points.shape)
-        for part in (first, second):
-            if np.shape(part) not in {(), x.shape}:
-                raise InputError(
-                    f"velocity on {name!r}: a component has shape {np.shape(part)}, its coordinates have {x.shape}"
-                )
-        try:
-            values[..., 0], values[..., 1] = first, second
-        except (TypeError, ValueError) as error:
-            raise InputError(
-                f"velocity on {name!r}: components must be numbers or arrays of shape {x.shape}"
-            ) from error
-        bad = int(np.count_nonzero(~np.isfinite(values).all(axis=-1)))
-        if bad:
-            raise InputError(f"velocity on {name!r}: {bad} of {x.size} values are not finite")
-        return values
+        if isinstance(self.x, Parabola):
+            return self.x.at(points, name)
+        first = self.x(points[..., 0], points[..., 1]) if callable(self.x) else self.x
+        pair = first if self.y is None and isinstance(first, tuple) else (first, 0.0 if self.y is None else self.y)
+        return vector_at(pair, points, f"velocity on {name!r}")
 
 
 @dataclass(frozen=True)
@@ -74,11 +128,16 @@ class Pressure:
 
     Parameters
     ----------
-    value : float
-        Pressure (force per length).
+    value : float or callable
+        Pressure (force per length). A callable gets two float64 arrays, the coordinates, and returns an array of the
+        same shape; it is evaluated at the middles of the edges.
     """
 
-    value: float
+    value: Scalar
+
+    def at(self, points: Array, name: str) -> Array:
+        """Evaluate at points, float64 (..., 2); `name` of the side is for messages only."""
+        return scalar_at(self.value, points, f"pressure on {name!r}")
 
 
 @dataclass(frozen=True)
@@ -106,7 +165,18 @@ Condition = Wall | Velocity | Pressure | Slip | Periodic
 
 
 def conditions_by_name(mesh: Triangulation, conditions: Mapping[str, Condition]) -> dict[str, Condition]:
-    """Check the conditions and complete them: every side, and "pillars", gets one; the default is a wall.
+    """Check the conditions and complete them.
+
+    Parameters
+    ----------
+    mesh : Triangulation
+    conditions : mapping of str to condition
+        For names of sides, "pillars" for all pillars, and "pillar 3" for one of them, which goes before "pillars".
+
+    Returns
+    -------
+    dict of str to condition
+        For every side and "pillars", walls where nothing was given; then for the single pillars that were named.
 
     Raises
     ------
@@ -114,21 +184,32 @@ def conditions_by_name(mesh: Triangulation, conditions: Mapping[str, Condition])
         For an unknown name, something that is no condition, or sides that cannot be paired.
     """
     names = [*mesh.side_names, PILLARS]
+    if not isinstance(conditions, Mapping):
+        raise InputError(f"conditions are {conditions!r}: give a mapping of names of sides to conditions")
     for name, condition in conditions.items():
         if name not in names:
-            near = get_close_matches(str(name), names, n=1, cutoff=0.0)
-            raise InputError(f"no side is named {name!r}: did you mean {near[0]!r}? (there are {', '.join(names)})")
+            _check_pillar(name, names, mesh)
         if not isinstance(condition, Condition):
             raise InputError(
                 f"condition on {name!r} is {condition!r}: give Wall(), Velocity(x, y), Pressure(value), Slip() or "
                 "Periodic(other)"
             )
-        if isinstance(condition, Pressure) and not _is_finite(condition.value):
-            raise InputError(f"pressure on {name!r} is {condition.value!r}: give a finite number")
         if isinstance(condition, Periodic):
             _check_pair(name, condition, conditions, mesh)
     partners = {c.other: Periodic(n, -c.pressure_drop) for n, c in conditions.items() if isinstance(c, Periodic)}
-    return {name: conditions.get(name, partners.get(name, Wall())) for name in names}
+    return {name: partners.get(name, Wall()) for name in names} | dict(conditions)
+
+
+def edges_by_name(mesh: Triangulation, names: list[str]) -> list[NDArray[np.int64]]:
+    """Boundary edges of each name of `conditions_by_name`, sorted; those of single pillars are not in "pillars"."""
+    sides, tags = len(mesh.side_names), mesh.boundary_tags
+    which = np.full(sides + 1 + int(tags.max(initial=-1)), sides)
+    which[:sides] = np.arange(sides)[::-1]  # tag -1 - j stands at place sides - 1 - j
+    for k, name in enumerate(names[sides + 1 :], start=sides + 1):
+        which[sides + pillar_number(name)] = k
+    owner = which[tags + sides]
+    order = np.argsort(owner, kind="stable")
+    return np.split(order, np.searchsorted(owner[order], np.arange(1, len(names))))
 
 
 def periodic_pairs(conditions: Mapping[str, Condition]) -> list[tuple[str, str, float]]:
@@ -136,9 +217,29 @@ def periodic_pairs(conditions: Mapping[str, Condition]) -> list[tuple[str, str, 
     return sorted((n, c.other, float(c.pressure_drop)) for n, c in conditions.items() if isinstance(c, Periodic))
 
 
+def pillar_number(name: object) -> int:
+    """Give the number of a single pillar's name, "pillar 3"; -1 for any other."""
+    found = PILLAR.fullmatch(name) if isinstance(name, str) else None
+    return int(found[1]) if found else -1
+
+
+def _check_pillar(name: object, names: list[str], mesh: Triangulation) -> None:
+    """Refuse a name that is neither a side nor all pillars, unless it is that of a pillar that is there."""
+    pillar = pillar_number(name)
+    if pillar < 0:
+        near = get_close_matches(str(name), names, n=1, cutoff=0.0)
+        raise InputError(
+            f"no side is named {name!r}: did you mean {near[0]!r}? (there are {', '.join(names)}, and 'pillar 0', ...)"
+        )
+    if not (mesh.boundary_tags == pillar).any():
+        last = int(mesh.boundary_tags.max(initial=-1))
+        there = ("no pillar", "pillar 0 only")[last + 1] if last < 1 else f"pillars 0 to {last}"
+        raise InputError(f"there is no {name!r}: the mesh has {there}")
+
+
 def _check_pair(name: str, condition: Periodic, conditions: Mapping[str, Condition], mesh: Triangulation) -> None:
     other = condition.other
-    if name == PILLARS or other not in mesh.side_names or other == name:
+    if name not in mesh.side_names or other not in mesh.side_names or other == name:
         near = [s for s in mesh.side_names if s != name]
         raise InputError(f"{name!r} cannot be periodic with {other!r}: pair two different sides ({', '.join(near)})")
     taken = [n for n, c in conditions.items() if n != name and isinstance(c, Periodic) and other in {c.other, n}]
@@ -149,4 +250,4 @@ def _check_pair(name: str, condition: Periodic, conditions: Mapping[str, Conditi
 
 
 def _is_finite(value: object) -> bool:
-    return isinstance(value, (int, float, np.floating, np.integer)) and isfinite(value)
+    return is_number(value) and bool(np.isfinite(value))  # type: ignore[call-overload]

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numba import njit
 from scipy import sparse
 
 from vasculo.flow.boundary import (
-    PILLARS,
     Condition,
     Periodic,
     Pressure,
@@ -17,9 +17,12 @@ from vasculo.flow.boundary import (
     Velocity,
     Wall,
     conditions_by_name,
+    edges_by_name,
     periodic_pairs,
 )
 from vasculo.flow.periodic import gradient_of_drops, matched_edges
+from vasculo.mesh.adjacency import stars
+from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
 # Kinds of face, for the kernels. A periodic pair of edges is one inner face.
 INNER, MOVING, MIRROR, OPEN = 0, 1, 2, 3
 KIND_OF = {Wall: MOVING, Velocity: MOVING, Slip: MIRROR, Pressure: OPEN, Periodic: INNER}
+FEW = 50_000  # faces a thread; fewer are not worth another one
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +65,7 @@ class Faces:
     edge_sign : (e,) float64
         +1 if the face's normal points out through that edge, -1 at the far side of a periodic pair.
     is_wall : (e,) bool
-        Edges that are walls: sides with `Wall`, and pillars unless they are open or slip.
+        Edges that are walls: what has `Wall`, and pillars unless they are open or slip.
     same : (n,) int32
         Representative of each vertex: vertices glued by periodicity share it.
     corner_start, corners : (n + 1,), (3 t,) int32
@@ -101,51 +105,45 @@ class Faces:
 def build_faces(mesh: Triangulation, conditions: Mapping[str, Condition]) -> Faces:
     """Build the list of faces and evaluate the conditions on them.
 
+    Parameters
+    ----------
+    mesh : Triangulation
+    conditions : mapping of str to condition
+        See `conditions_by_name`.
+
     Raises
     ------
     InputError
-        For conditions that do not fit the mesh.
+        For conditions that do not fit the mesh, and values that are not finite.
     """
     named = conditions_by_name(mesh, conditions)
     pairs = periodic_pairs(conditions)
-    edges, cell_of_edge = mesh.boundary_edges, mesh.boundary_triangles
     glued, glue, shifts = matched_edges(mesh, pairs)
+    free = np.ones(len(mesh.boundary_edges), dtype=bool)
+    free[glued] = False
+    ends, cells, edge_face, edge_sign = _numbered(mesh, glued, free)
+    inner = len(ends) - int(np.count_nonzero(free))
 
-    inner_ends, inner_cells = (part[: -len(edges)] for part in mesh.faces)
-    seam_cells = np.column_stack([cell_of_edge[glued[:, 0]], cell_of_edge[glued[:, 1]]])
-    free = np.setdiff1d(np.arange(len(edges)), glued.ravel())
-    rim_cells = np.column_stack([cell_of_edge[free], np.full(len(free), -1)])
-
-    ends = np.concatenate([inner_ends, edges[glued[:, 0]], edges[free]]).astype(np.int32)
-    cells = np.concatenate([inner_cells, seam_cells, rim_cells]).astype(np.int32)
-    inner = len(ends) - len(free)
-    edge_face = np.empty(len(edges), dtype=np.int32)
-    edge_sign = np.ones(len(edges))
-    edge_face[glued[:, 0]] = edge_face[glued[:, 1]] = np.arange(len(inner_cells), inner)
-    edge_sign[glued[:, 1]] = -1.0
-    edge_face[free] = np.arange(inner, len(ends))
-
-    along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
-    length = np.hypot(along[:, 0], along[:, 1])
-    tangent = along / length[:, None]
-    # The centroid of a triangle lies a third of its height, 2 area / length, from an edge.
-    both = mesh.areas[cells[:, 0]] + np.where(cells[:, 1] >= 0, mesh.areas[cells[:, 1]], 0.0)
-
-    kind, profile, opening, is_wall = _values(mesh, named, ends, inner, free)
+    tangent, normal = np.empty((len(ends), 2)), np.empty((len(ends), 2))
+    length, distance = np.empty(len(ends)), np.empty(len(ends))
+    run_team(
+        measure_faces, len(ends) // FEW, mesh.points, mesh.areas, ends, cells, tangent, normal, length, distance
+    )  # fmt: skip
+    kind, profile, opening, is_wall = _values(mesh, named, ends, inner, edge_face)
     is_open = kind[inner:] == OPEN
     level = 0.5 * float(opening[is_open].min() + opening[is_open].max()) if is_open.any() else 0.0
     opening[is_open] -= level
     same = _representatives(len(mesh.points), glue)
-    corner_start, corner_list = _by_vertex(same[mesh.triangles].ravel(), len(same))
-    rim_start, rim_list = _by_vertex(same[ends[inner:]].ravel(), len(same))
+    corner_start, corners = stars(same[mesh.triangles] if len(glue) else mesh.triangles, len(same))
+    rim_start, rim = _by_vertex(same[ends[inner:]].ravel(), len(same))
     return Faces(
         ends=ends,
-        cells=np.ascontiguousarray(cells),
+        cells=cells,
         kind=kind,
         tangent=tangent,
-        normal=np.column_stack([tangent[:, 1], -tangent[:, 0]]),
+        normal=normal,
         length=length,
-        distance=both * (2.0 / 3.0) / length,
+        distance=distance,
         profile=profile,
         opening=opening,
         level=level,
@@ -154,34 +152,94 @@ def build_faces(mesh: Triangulation, conditions: Mapping[str, Condition]) -> Fac
         is_wall=is_wall,
         same=same,
         corner_start=corner_start,
-        corners=corner_list,
+        corners=corners,
         rim_start=rim_start,
-        rim=rim_list,
+        rim=rim,
         gradient=gradient_of_drops(pairs, shifts),
     )
 
 
+def _numbered(
+    mesh: Triangulation, glued: NDArray[np.int64], free: NDArray[np.bool_]
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+    """Give ends and cells of every face, and the face and sign of every boundary edge."""
+    edges, beside = mesh.boundary_edges, mesh.boundary_triangles
+    ends, cells = mesh.faces
+    inner = len(ends) - len(edges)
+    edge_face = np.empty(len(edges), dtype=np.int32)
+    edge_face[free] = np.arange(inner + len(glued), len(ends) - len(glued))
+    edge_face[glued] = np.arange(inner, inner + len(glued))[:, None]
+    edge_sign = np.ones(len(edges))
+    edge_sign[glued[:, 1]] = -1.0
+    if len(glued):
+        ends = np.concatenate([ends[:inner], edges[glued[:, 0]], edges[free]])
+        cells = np.concatenate([cells[:inner], beside[glued], cells[inner:][free]])
+    return ends, cells, edge_face, edge_sign
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def measure_faces(
+    rank: int,
+    threads: int,
+    points: NDArray[np.float64],
+    areas: NDArray[np.float64],
+    ends: NDArray[np.int32],
+    cells: NDArray[np.int32],
+    tangent: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    length: NDArray[np.float64],
+    distance: NDArray[np.float64],
+) -> int:
+    """Fill the last four: unit vectors, lengths, and the distances of centroids along the normal.
+
+    The centroid of a triangle lies a third of its height, 2 area / length, from an edge.
+    """
+    for f in range(rank * len(ends) // threads, (rank + 1) * len(ends) // threads):
+        x = points[ends[f, 1], 0] - points[ends[f, 0], 0]
+        y = points[ends[f, 1], 1] - points[ends[f, 0], 1]
+        size = np.hypot(x, y)
+        both = areas[cells[f, 0]] + (areas[cells[f, 1]] if cells[f, 1] >= 0 else 0.0)
+        tangent[f, 0], tangent[f, 1] = x / size, y / size
+        normal[f, 0], normal[f, 1] = y / size, -(x / size)
+        length[f], distance[f] = size, both * (2.0 / 3.0) / size
+    return 0
+
+
+def measure_faces_plain(
+    points: NDArray[np.float64], areas: NDArray[np.float64], ends: NDArray[np.int32], cells: NDArray[np.int32]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Tangent, normal, length and distance of each face; the reference of `measure_faces`."""
+    along = points[ends[:, 1]] - points[ends[:, 0]]
+    length = np.hypot(along[:, 0], along[:, 1])
+    tangent = along / length[:, None]
+    both = areas[cells[:, 0]] + np.where(cells[:, 1] >= 0, areas[cells[:, 1]], 0.0)
+    return tangent, np.column_stack([tangent[:, 1], -tangent[:, 0]]), length, both * (2.0 / 3.0) / length
+
+
 def _values(
-    mesh: Triangulation, named: Mapping[str, Condition], ends: NDArray[np.int32], inner: int, free: NDArray[np.int64]
+    mesh: Triangulation,
+    named: Mapping[str, Condition],
+    ends: NDArray[np.int32],
+    inner: int,
+    edge_face: NDArray[np.int32],
 ) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
     """Kind of every face, prescribed velocities and pressures of the boundary faces, and which edges are walls."""
     kind = np.full(len(ends), INNER, dtype=np.int32)
-    profile = np.zeros((len(free), 3, 2))
-    opening = np.zeros(len(free))
-    is_wall = np.zeros(len(mesh.boundary_edges), dtype=bool)
-    for name in [*mesh.side_names, PILLARS]:
-        condition, chosen = named[name], mesh.edge_of(name)
-        if isinstance(condition, Wall) or (name == PILLARS and isinstance(condition, Velocity)):
-            is_wall[chosen] = True
-        if isinstance(condition, Periodic):
+    profile = np.zeros((len(ends) - inner, 3, 2))
+    opening = np.zeros(len(ends) - inner)
+    is_wall = np.zeros(len(edge_face), dtype=bool)
+    for (name, condition), chosen in zip(named.items(), edges_by_name(mesh, list(named)), strict=True):
+        if isinstance(condition, Periodic) or len(chosen) == 0:
             continue
-        rim = np.searchsorted(free, chosen)
-        kind[inner + rim] = KIND_OF[type(condition)]
+        faces = edge_face[chosen]
+        kind[faces] = KIND_OF[type(condition)]
+        first, last = mesh.points[ends[faces, 0]], mesh.points[ends[faces, 1]]
+        middle = 0.5 * (first + last)
         if isinstance(condition, Pressure):
-            opening[rim] = float(condition.value)
-        elif isinstance(condition, Velocity) and len(rim):
-            first, last = mesh.points[ends[inner + rim, 0]], mesh.points[ends[inner + rim, 1]]
-            profile[rim] = condition.at(np.stack([first, 0.5 * (first + last), last], axis=1), name)
+            opening[faces - inner] = condition.at(middle, name)
+        elif isinstance(condition, (Wall, Velocity)):
+            profile[faces - inner] = condition.at(np.stack([first, middle, last], axis=1), name)
+            is_wall[chosen] = isinstance(condition, Wall) or mesh.boundary_tags[chosen[0]] >= 0
     return kind, profile, opening, is_wall
 
 

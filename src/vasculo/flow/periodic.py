@@ -46,17 +46,17 @@ def matched_edges(
         nodes, partners, shifts[k] = _matched_vertices(mesh, side, other, here, there)
         vertices.append(np.column_stack([nodes, partners]))
         # The partner of the edge a -> b runs from b's partner to a's: both have the fluid on their left.
-        after = np.zeros(len(mesh.points), dtype=np.int64)
-        after[nodes] = partners
-        at_start = {(int(a), int(b)): int(e) for e, (a, b) in zip(there, mesh.boundary_edges[there], strict=True)}
-        wanted = after[mesh.boundary_edges[here][:, ::-1]]
-        found = [at_start.get((int(a), int(b)), -1) for a, b in wanted]
-        if min(found) < 0:
+        wanted = partners[np.searchsorted(nodes, mesh.boundary_edges[here][:, ::-1])] @ (len(mesh.points), 1)
+        given = mesh.boundary_edges[there].astype(np.int64) @ (len(mesh.points), 1)
+        order = np.argsort(given)
+        place = np.minimum(np.searchsorted(given[order], wanted), len(given) - 1)
+        differ = int(np.count_nonzero(given[order][place] != wanted))
+        if differ:
             raise InputError(
-                f"sides {side!r} and {other!r} have the same vertices but {found.count(-1)} edges differ: "
+                f"sides {side!r} and {other!r} have the same vertices but {differ} edges differ: "
                 "make one a translated copy of the other"
             )
-        edges.append(np.column_stack([here, found]))
+        edges.append(np.column_stack([here, there[order][place]]))
     return np.concatenate(edges), np.concatenate(vertices), shifts
 
 

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import InputError
+from vasculo.flow.boundary import Periodic
+from vasculo.flow.read.forces import drag
+from vasculo.flow.stokes import solve_stokes
 from vasculo.measure.shape import axis_cosines, pillars
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vasculo.flow.stokes import Flow
+    from vasculo.flow.solution import Flow
     from vasculo.geometry.domain import Domain
+    from vasculo.mesh.triangulation import Triangulation
 
     Floats = NDArray[np.float64]
 
@@ -57,6 +61,52 @@ def permeability(domain: Domain, flow: Flow, inlet: str = "left", outlet: str = 
     length = float(np.hypot(*(last - first)))
     height = (x1 - x0) * (y1 - y0) / length
     return flow.flow_rate(outlet) * flow.viscosity * length / (height * drop)
+
+
+def permeability_tensor(
+    mesh: Triangulation, first: tuple[str, str] = ("left", "right"), second: tuple[str, str] = ("bottom", "top")
+) -> Floats:
+    """Darcy permeability K of a periodic cell: mean velocity over the whole cell = K (pressure drop per length) / eta.
+
+    Two flows, driven by a pressure drop from one pair of sides to the other, once for each pair; the pillars are walls.
+    Symmetric and positive definite but for the error of the flows, which is of second order in the edge length.
+
+    Parameters
+    ----------
+    mesh : Triangulation
+        Of the fluid of one cell, a parallelogram.
+    first, second : tuple of two str
+        Names of opposite sides, which must be translated copies of each other, vertex by vertex.
+
+    Returns
+    -------
+    ndarray of float64, shape (2, 2)
+        Model length squared.
+
+    Raises
+    ------
+    InputError
+        When the sides do not match, or are four in name only.
+    ComputationError
+        When a flow could not be solved, as in a cell without pillars, which holds nothing back.
+    """
+    pairs = (first, second)
+    if len({*first, *second}) < 4:
+        raise InputError(f"the sides {first} and {second} are not four different ones")
+    middles = {}
+    for name in (*first, *second):
+        ends = mesh.points[mesh.boundary_edges[mesh.edge_of(name)]]
+        lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+        middles[name] = np.average(ends.mean(axis=1), axis=0, weights=lengths)
+    shifts = np.array([middles[other] - middles[side] for side, other in pairs])
+    velocity = np.empty((2, 2))
+    for k in range(2):
+        drops = {side: Periodic(other, float(k == j)) for j, (side, other) in enumerate(pairs)}
+        flow = solve_stokes(mesh, drops)
+        # What leaves through a side has come from its partner: div u = 0 turns the area's mean into these fluxes.
+        velocity[:, k] = np.array([flow.flow_rate(other) for _, other in pairs]) @ shifts
+    # Unit drops, one a column, are the gradients shifts^-1.
+    return np.asarray(velocity / abs(np.linalg.det(shifts)) @ shifts)
 
 
 def mean_wall_shear(flow: Flow) -> float:
@@ -108,15 +158,10 @@ def pillar_drag(domain: Domain, flow: Flow, *, pressure: bool = True) -> Floats:
     ndarray of float64, shape (p, 2)
         Force (per unit depth, model units); zero for a pillar that has no wall.
     """
-    step = flow.mesh.points[flow.wall_edges[:, 1]] - flow.mesh.points[flow.wall_edges[:, 0]]
-    outward = np.stack([step[:, 1], -step[:, 0]], axis=1)  # out of the fluid, as long as the edge
-    force = flow.wall_traction * np.hypot(step[:, 0], step[:, 1])[:, None]
-    if pressure:
-        force += flow.wall_pressure[:, None] * outward
-    mine = flow.wall_pillar >= 0
-    count = len(domain.pillars)
-    parts = [np.bincount(flow.wall_pillar[mine], weights=force[mine, axis], minlength=count) for axis in (0, 1)]
-    return np.stack(parts, axis=1).astype(np.float64)
+    force = np.zeros((len(domain.pillars), 2))
+    found = drag(flow, "full" if pressure else "viscous")
+    force[: len(found)] = found
+    return force
 
 
 def alignment(domain: Domain, flow: Flow) -> float:

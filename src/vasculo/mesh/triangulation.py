@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -211,7 +212,7 @@ class Triangulation:
         return triangle_quality(self.points, self.triangles)
 
     def edge_of(self, name: str) -> NDArray[np.int64]:
-        """Give the indices of the boundary edges of a side; of all pillars for "pillars".
+        """Give the indices of the boundary edges of a side; of all pillars for "pillars", of one for "pillar 3".
 
         Raises
         ------
@@ -220,6 +221,9 @@ class Triangulation:
         """
         if name == "pillars":
             return np.flatnonzero(self.boundary_tags >= 0)
+        one = re.fullmatch(r"pillar (0|[1-9][0-9]*)", name)
+        if one and name not in self.side_names and (self.boundary_tags == int(one[1])).any():
+            return np.flatnonzero(self.boundary_tags == int(one[1]))
         if name not in self.side_names:
             raise InputError(f"no side is called {name!r}; the sides are {', '.join(self.side_names)}")
         return np.flatnonzero(self.boundary_tags == -1 - self.side_names.index(name))

@@ -13,7 +13,7 @@ from vasculo.pillars.cell import node_lengths, ring, side_lengths
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vasculo.flow.stokes import Flow
+    from vasculo.flow.solution import Flow
 
 
 def wall_sides(

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.flow.boundary import Condition
-    from vasculo.flow.stokes import Flow
+    from vasculo.flow.solution import Flow
     from vasculo.geometry.domain import Domain
     from vasculo.mesh.triangulation import Triangulation
     from vasculo.pillars.state import Lineage
@@ -165,7 +165,7 @@ def sense(domain: Domain, state: RemodelState, parameters: Angiogenesis) -> Sens
         across=parameters.flow_across,
     )
     meshed = perf_counter()
-    flow = solve_stokes(mesh, conditions, parameters.viscosity)
+    flow = solve_stokes(mesh, conditions, parameters.viscosity, pockets="rest")
     solved = perf_counter()
     shear = node_shear(flow, state.points, state.starts)
     active = np.zeros(len(shear))

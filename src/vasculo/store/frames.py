@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vasculo.flow.stokes import Flow
+    from vasculo.flow.solution import Flow
     from vasculo.mesh.triangulation import Triangulation
     from vasculo.pillars.state import Merge, RemodelStep
 

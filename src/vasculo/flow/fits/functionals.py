@@ -13,7 +13,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-ALPHA = 1.5  # of the difference between the two cells that the quadratic fit cannot see
+# Of the difference between the two cells that the quadratic fit cannot see. 1: on equilateral triangles the normal
+# derivative becomes the plain difference, whose errors cancel around a triangle to third order. Beside a boundary more,
+# for safety where small triangles stand at a wall.
+ALPHA = 1.0
+RIM_ALPHA = 1.3
 CLASSICAL_ALPHA = 1.0  # with a linear fit: the plain difference of the two cells, corrected for their skewness only
 
 # Columns of `Tables.weight`.
@@ -79,8 +83,9 @@ def add_direct_part(
     left = -cell_at[0, 1] * length
     if fit == VELOCITY_FIT and kind == INNER:
         right = cell_at[1, 1] * length
-        weight[0, GRADIENT] -= alpha / (left + right)
-        weight[1, GRADIENT] += alpha / (left + right)
+        part = (alpha if fitted else 1.0) / (left + right)
+        weight[0, GRADIENT] -= part
+        weight[1, GRADIENT] += part
         if not fitted:
             weight[0, MEAN] = right / (left + right)
             weight[1, MEAN] = left / (left + right)

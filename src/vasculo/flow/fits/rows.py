@@ -15,6 +15,7 @@ from vasculo.flow.fits.functionals import (
     CLASSICAL_ALPHA,
     OUTFLOW_FIT,
     PRESSURE_FIT,
+    RIM_ALPHA,
     VELOCITY_FIT,
     add_direct_part,
     set_goals,
@@ -85,7 +86,6 @@ def fill_rows(
     value, work, goals = np.empty((MAX_ROWS, 2)), np.empty((8, MAX_ROWS)), np.empty((2, 6))
     count = np.zeros(2, np.int64)
     inside, beside = (QUADRATIC, AT_REST) if order == 2 else (LINEAR, SHEAR)
-    alpha = ALPHA if order == 2 else CLASSICAL_ALPHA
     for block in range(rank * BLOCK, len(chosen), threads * BLOCK):
         for number in range(block, min(block + BLOCK, len(chosen))):
             f = chosen[number]
@@ -112,6 +112,7 @@ def fill_rows(
                     enough = 8
                 fitted = False
                 rows, attempt = 0, 0
+                alpha = CLASSICAL_ALPHA
                 while attempt < (TOP_LEVEL + 2 if fit == VELOCITY_FIT else 1):
                     if fit == VELOCITY_FIT and attempt <= TOP_LEVEL:
                         grow(
@@ -127,6 +128,8 @@ def fill_rows(
                     )  # fmt: skip
                     few = rows < enough or (fit == VELOCITY_FIT and count[0] < 5)
                     if not few or (fit == VELOCITY_FIT and attempt >= TOP_LEVEL):
+                        if order == 2:
+                            alpha = RIM_ALPHA if count[1] > 0 else ALPHA
                         set_goals(fit, family, kind, alpha, length, cell_at, goals)
                         fitted = fit_weights(family, rows, at, weight, goals, work) < WORST
                         if fitted:

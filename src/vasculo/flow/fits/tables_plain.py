@@ -9,7 +9,7 @@ import numpy as np
 from vasculo.flow.faces import INNER, MOVING, OPEN
 from vasculo.flow.fits.data import FRONT, NEAREST, SLACK, WALL_WEIGHT
 from vasculo.flow.fits.fit import AT_REST, LINEAR, OUTFLOW, QUADRATIC, TERMS, fit_weights_plain
-from vasculo.flow.fits.functionals import ALPHA, GRADIENT, JUMP, MEAN, PRESSURE
+from vasculo.flow.fits.functionals import ALPHA, GRADIENT, JUMP, MEAN, PRESSURE, RIM_ALPHA
 from vasculo.flow.fits.stencil import stencil_plain
 
 FADING = 1.25  # power of the distance with which an equation counts less
@@ -64,10 +64,11 @@ def face_row_plain(
     goals = np.zeros((2, len(TERMS[family])))
     if kind == INNER:
         between = (right - left)[1] * length
-        goals[0] = -ALPHA / between * (terms_plain(family, right) - terms_plain(family, left))
+        alpha = RIM_ALPHA if near else ALPHA
+        goals[0] = -alpha / between * (terms_plain(family, right) - terms_plain(family, left))
         goals[0, 2] += 1.0 / length
         goals[1, 0], goals[1, 3] = 1.0, 1.0 / 12.0
-        weight[own, GRADIENT] += np.array([-1.0, 1.0]) * ALPHA / between
+        weight[own, GRADIENT] += np.array([-1.0, 1.0]) * alpha / between
     else:
         goals[0, 0] = 1.0 / length
     profile = faces.profile[face - faces.inner] if kind != INNER else np.zeros((3, 2))

@@ -5,11 +5,13 @@ from __future__ import annotations
 import ctypes
 from functools import cache
 from importlib.metadata import PackageNotFoundError, files
+from time import perf_counter
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from vasculo.errors import ComputationError
+from vasculo.errors import ComputationError, InputError
+from vasculo.flow.linear.memory import check_memory
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 
 CBWR_AUTO = 2  # conditional numerical reproducibility on the best branch of this processor
 REAL_UNSYMMETRIC = 11
-ANALYSE_AND_FACTOR, SOLVE, RELEASE = 12, 33, -1
+ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1
 
 
 @cache
@@ -45,20 +47,25 @@ class BlockFactor:
     Parameters
     ----------
     matrix : bsr_array, 3 x 3 blocks, sorted int32 indices
-        Copied to float32.
+        Copied unless it is float32. It is let go of when the factors are there.
+    memory : float, optional
+        Bytes that may be used; without it any number.
 
     Raises
     ------
+    TooLargeError
+        The analysis says that the factors need more memory.
     ComputationError
         The library reports an error.
     """
 
-    def __init__(self, matrix: sparse.bsr_array) -> None:
+    def __init__(self, matrix: sparse.bsr_array, memory: float | None = None) -> None:
         mkl = library()
         if mkl is None:
             raise ComputationError("the library of the mkl package is not there: install vasculo[fast]")
         self._mkl = mkl
         self._rows = matrix.shape[0] // 3
+        self._memory = memory
         self._data = np.ascontiguousarray(matrix.data, dtype=np.float32)
         self._start = np.ascontiguousarray(matrix.indptr, dtype=np.int32)
         self._columns = np.ascontiguousarray(matrix.indices, dtype=np.int32)
@@ -73,10 +80,19 @@ class BlockFactor:
     def __enter__(self) -> Self:
         nothing = np.zeros(1, dtype=np.float32)
         try:
-            self._call(ANALYSE_AND_FACTOR, nothing, nothing)
-        except ComputationError:
+            began = perf_counter()
+            self._call(ANALYSE, nothing, nothing)
+            before, kept, factors = (1024 * int(size) for size in self._settings[14:17])
+            self.needed = max(before, kept + factors)  # bytes, work space of the threads included
+            self.analysis_seconds = perf_counter() - began
+            check_memory(self.needed, self._memory, f"PARDISO on {3 * self._rows} unknowns")
+            self._call(FACTOR, nothing, nothing)
+            self.factor_seconds = perf_counter() - began - self.analysis_seconds
+        except (ComputationError, InputError):
             self._call(RELEASE, nothing, nothing)
             raise
+        if not self.moved_pivots:  # with moved pivots the library refines, for which it reads the matrix again
+            self._data, self._columns = nothing, np.zeros(1, dtype=np.int32)
         return self
 
     def __exit__(
@@ -84,6 +100,11 @@ class BlockFactor:
     ) -> None:
         nothing = np.zeros(1, dtype=np.float32)
         self._call(RELEASE, nothing, nothing)
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of the factors."""
+        return 1024 * int(self._settings[16])
 
     @property
     def moved_pivots(self) -> int:

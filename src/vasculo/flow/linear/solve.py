@@ -1,16 +1,25 @@
-"""Solve A x = b: a direct factor, made exact by a few Krylov steps in double precision."""
+"""Solve A x = b: a factor in single precision, of A or of a matrix near it, made exact by Krylov steps in double."""
 
 from __future__ import annotations
 
 from contextlib import contextmanager
 from math import isfinite
+from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.sparse.linalg import splu
 
-from vasculo.errors import ComputationError
-from vasculo.flow.linear.pardiso import BlockFactor, library
+from vasculo.errors import ComputationError, InputError
+from vasculo.flow.linear.choose import COMPACT, advice, candidates, left_for_factors
+from vasculo.flow.linear.compact import compact_matrix
+from vasculo.flow.linear.jacobi import inverse_diagonal, jacobi_step
+from vasculo.flow.linear.krylov import refine
+from vasculo.flow.linear.memory import TooLargeError, available_memory
+from vasculo.flow.linear.pardiso import BlockFactor
+from vasculo.flow.linear.partition import partition
+from vasculo.flow.linear.schwarz import SchwarzFactor
+from vasculo.flow.linear.superlu import ScipyFactor
+from vasculo.flow.linear.vectors import norm
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -18,14 +27,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy import sparse
 
-    Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    from vasculo.flow.assemble import System
+    from vasculo.flow.faces import Faces
+    from vasculo.mesh.triangulation import Triangulation
 
-GOAL = 1e-13  # relative residual that ends the refinement
+GOAL = 1e-13  # relative residual with a factor of A itself
 GOOD = 1e-12  # with this one a refinement that stands still may end too
-LIMIT = 1e-9  # worse than this is no solution
-CYCLES = 8
-STEPS = 10  # Krylov vectors a cycle
-STEP_GOAL = 1e-12  # a cycle cannot know its residual any better
+COMPACT_GOAL = 1e-11  # with a factor of the compact matrix: mass then balances to 1e-8 and far better
+LIMIT = 1e-9  # worse than this is no solution, unless a looser tolerance was asked for
+WEIGHT = 0.4  # of the block-Jacobi step; from 0.8 on rough modes grow
+STEPS, COMPACT_STEPS = 10, 40  # Krylov vectors a cycle
+MOST, COMPACT_MOST = 40, 150  # steps in all
 
 
 class Solution(NamedTuple):
@@ -37,109 +49,153 @@ class Solution(NamedTuple):
     residual : float
         Norm of b - A x over the norm of b.
     solver : str
-        "pardiso" or "splu".
+        "direct", "compact", "splu", "splu-compact", "schwarz", or "none" if there was nothing to solve.
     iterations : int
         Solves with the factor.
+    analysis_seconds, factor_seconds, krylov_seconds : float
+        By the clock: ordering and symbolic work, the numbers of the factor, the steps.
+    factor_bytes : int
+        0 where it is not known, for "schwarz".
+    why : str
+        Why this solver, in one line.
+    note : str
+        Advice for next time, in one line; mostly empty.
     """
 
     unknowns: NDArray[np.float64]
     residual: float
     solver: str
     iterations: int
+    analysis_seconds: float = 0.0
+    factor_seconds: float = 0.0
+    krylov_seconds: float = 0.0
+    factor_bytes: int = 0
+    why: str = ""
+    note: str = ""
 
 
-def solve(matrix: sparse.bsr_array, right: NDArray[np.float64]) -> Solution:
-    """Solve the system to a relative residual of 1e-13, or as near as rounding allows.
+def solve(
+    system: System,
+    mesh: Triangulation,
+    faces: Faces,
+    *,
+    solver: str = "auto",
+    tolerance: float | None = None,
+    memory: float | None = None,
+) -> Solution:
+    """Solve the system of a flow.
 
     Parameters
     ----------
-    matrix : bsr_array, 3 x 3 blocks
-    right : (n,) float64
+    system : System
+    mesh : Triangulation
+    faces : Faces
+    solver : str
+        "direct": PARDISO on A. "compact": PARDISO on the compact matrix, for less memory. "splu", "splu-compact": the
+        same with SciPy's SuperLU. "schwarz": parts of the compact matrix, see `SchwarzFactor`. "auto": the quickest of
+        the first four that is at hand and fits the memory.
+    tolerance : float, optional
+        Relative residual that must be reached. Without it 1e-13, or as near as rounding allows, with a factor of A, and
+        1e-11 with one of the compact matrix; 1e-9 will do.
+    memory : float, optional
+        Bytes that the solution may take, with its factors; without it what is free.
 
     Raises
     ------
+    InputError
+        An unknown or missing solver, a tolerance that cannot be, too little memory (`TooLargeError`).
     ComputationError
-        The residual stays above 1e-9 or is not finite.
+        The right-hand side is not finite, or the residual stays too large.
     """
+    _check(tolerance, memory)
+    right, cells = system.right, system.cells
+    names = candidates(solver, cells)
     size = norm(right)
     if not isfinite(size):
         raise ComputationError(
             f"{np.count_nonzero(~np.isfinite(right))} of the {len(right)} right-hand sides of the flow are not finite"
         )
     if size == 0.0:
-        return Solution(np.zeros_like(right), 0.0, "none", 0)
-    unknowns = np.zeros_like(right)
-    residual, iterations = 1.0, 0
-    left_over = right
-    with _factor(matrix) as (solver, apply):
-        for _ in range(CYCLES):
-            change, steps = _krylov(matrix, left_over, apply, GOAL * size / norm(left_over))
-            candidate = unknowns + change
-            left_over_now = right - matrix @ candidate
-            now = norm(left_over_now) / size
-            iterations += steps
-            if not now < residual:
-                break
-            slow = now > 0.5 * residual
-            unknowns, residual, left_over = candidate, now, left_over_now
-            if residual <= GOAL or (slow and residual <= GOOD):
-                break
-    if not residual <= LIMIT:
+        return Solution(np.zeros_like(right), 0.0, "none", 0, why="nothing drives the flow")
+    allowed = available_memory() if memory is None else memory
+    failures: list[ComputationError | InputError] = []
+    for name in names:
+        try:
+            found = _solve(system, mesh, faces, name, tolerance, left_for_factors(name, cells, allowed))
+        except TooLargeError as error:
+            failures.append(error)
+        except ComputationError as error:
+            if name not in COMPACT:
+                raise
+            failures.append(error)
+        else:
+            choice = "the first choice" if solver == "auto" else "asked for"
+            reason = f"since {failures[-1]}" if failures else choice
+            free = "" if allowed is None else f" with {allowed / 1e9:.3g} GB free"
+            return found._replace(why=f"{name} for {cells} triangles{free}: {reason}", note=advice(name, cells))
+    raise failures[-1]
+
+
+def _check(tolerance: float | None, memory: float | None) -> None:
+    """Refuse what cannot be reached or makes no sense."""
+    if tolerance is not None and not GOAL <= tolerance <= 0.1:
+        raise InputError(f"tolerance is {tolerance!r}: give a relative residual from {GOAL:.0e} to 0.1")
+    if memory is not None and not memory > 0:
+        raise InputError(f"memory is {memory!r}: give bytes, more than 0")
+
+
+def _solve(
+    system: System, mesh: Triangulation, faces: Faces, name: str, tolerance: float | None, memory: float | None
+) -> Solution:
+    """Solve by one of the solvers."""
+    near = name in COMPACT
+    inverse = inverse_diagonal(system.blocks()) if near else None
+    matrix = compact_matrix(mesh, faces, system.pins, system.scale) if near else system.blocks()
+    with _factor(name, matrix, mesh, memory) as factor:
+        del matrix
+
+        def precondition(right: NDArray[np.float64]) -> NDArray[np.float64]:
+            found = factor.solve(right)
+            if inverse is not None:
+                jacobi_step(inverse, WEIGHT, right, system.apply(found), found)
+            return found
+
+        began = perf_counter()
+        found = refine(
+            system.apply, system.right, precondition, goal=tolerance or (COMPACT_GOAL if near else GOAL),
+            good=tolerance or GOOD, steps=COMPACT_STEPS if near else STEPS, most=COMPACT_MOST if near else MOST,
+        )  # fmt: skip
+        seconds = factor.analysis_seconds, factor.factor_seconds, perf_counter() - began
+    limit = tolerance or LIMIT
+    if not found.residual <= limit:
         raise ComputationError(
-            f"the flow system of {len(right)} unknowns was solved to a residual of {residual:.2e} only, {LIMIT:.0e} is "
-            f"needed ({solver}, {iterations} iterations): look for degenerate triangles, or a flow that no wall holds "
-            "back"
+            f"the flow system of {len(system.right)} unknowns was solved to a residual of {found.residual:.2e} only, "
+            f"{limit:.0e} is needed ({name}, {found.iterations} iterations): look for degenerate triangles, or a flow "
+            "that no wall holds back"
         )
-    return Solution(unknowns, float(residual), solver, iterations)
+    return Solution(found.unknowns, found.residual, name, found.iterations, *seconds, factor.bytes)
 
 
-def norm(vector: NDArray[np.float64]) -> float:
-    """Euclidean norm by NumPy's own sum, which does not depend on the number of threads."""
-    return float(np.sqrt(np.sum(vector * vector)))
+class _Factor(NamedTuple):
+    """What is known of a factor: its solve function, seconds of its two phases, bytes."""
+
+    solve: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    analysis_seconds: float
+    factor_seconds: float
+    bytes: int
 
 
 @contextmanager
-def _factor(matrix: sparse.bsr_array) -> Iterator[tuple[str, Solve]]:
-    """Name and solve function of the best factor at hand."""
-    if library() is not None:
-        with BlockFactor(matrix) as factor:
-            yield "pardiso", factor.solve
-    else:
-        columns = matrix.tocsc()
-        columns.eliminate_zeros()
-        try:
-            direct = splu(columns, permc_spec="COLAMD")
-        except RuntimeError as error:
-            raise ComputationError(f"the flow system of {matrix.shape[0]} unknowns is singular ({error})") from error
-        yield "splu", direct.solve
-
-
-def _krylov(
-    matrix: sparse.bsr_array, right: NDArray[np.float64], apply: Solve, goal: float
-) -> tuple[NDArray[np.float64], int]:
-    """One cycle of flexible GMRES from zero, until the residual has fallen by `goal`; the change and its steps."""
-    # Strategy: with a good factor each step is one of iterative refinement; the small least-squares problem only makes
-    # sure that the residual never grows.
-    size = norm(right)
-    directions, images = [right / size], []
-    upper = np.zeros((STEPS + 1, STEPS))
-    weights: NDArray[np.float64] = np.zeros(0)
-    for k in range(STEPS):
-        images.append(apply(directions[k]))
-        new = matrix @ images[k]
-        for i in range(k + 1):
-            upper[i, k] = np.sum(new * directions[i])
-            new -= upper[i, k] * directions[i]
-        upper[k + 1, k] = norm(new)
-        if not isfinite(upper[k + 1, k]):
-            images.pop()
-            break
-        first = np.zeros(k + 2)
-        first[0] = size
-        small = upper[: k + 2, : k + 1]
-        weights = np.asarray(np.linalg.lstsq(small, first, rcond=None)[0], dtype=np.float64)
-        left = norm(first - small @ weights) / size
-        if not (left > max(goal, STEP_GOAL) and upper[k + 1, k] > 0.0):
-            break
-        directions.append(new / upper[k + 1, k])
-    return sum((w * image for w, image in zip(weights, images, strict=True)), np.zeros_like(right)), len(images)
+def _factor(name: str, matrix: sparse.bsr_array, mesh: Triangulation, memory: float | None) -> Iterator[_Factor]:
+    """Factor a matrix in the way of a solver."""
+    if name == "schwarz":
+        began = perf_counter()
+        part = partition(matrix.indptr, matrix.indices)
+        between = perf_counter()
+        with SchwarzFactor(matrix, part) as parts:
+            yield _Factor(parts.solve, between - began, perf_counter() - between, 0)
+        return
+    make = ScipyFactor(matrix, mesh.centroids, memory) if name.startswith("splu") else BlockFactor(matrix, memory)
+    del matrix
+    with make as factor:
+        yield _Factor(factor.solve, factor.analysis_seconds, factor.factor_seconds, factor.bytes)

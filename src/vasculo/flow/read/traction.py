@@ -1,4 +1,4 @@
-"""What the flow does to the walls: shear, viscous traction and pressure on every wall edge."""
+"""What the flow does to its boundary: the force through every edge; shear, viscous traction and pressure at walls."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vasculo.flow.assemble import System
     from vasculo.flow.faces import Faces
+    from vasculo.mesh.triangulation import Triangulation
 
 
 class Traction(NamedTuple):
@@ -31,29 +31,64 @@ class Traction(NamedTuple):
     pressure: NDArray[np.float64]
 
 
-def wall_traction(faces: Faces, system: System, unknowns: NDArray[np.float64], viscosity: float) -> Traction:
-    """Traction on the wall edges, in their order in the mesh.
+def edge_forces(
+    mesh: Triangulation, faces: Faces, momentum: NDArray[np.float64], level: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Force of the fluid through each boundary edge on what lies beyond: the flux of momentum, with the whole pressure.
 
-    With the outward normal n and the wall's own velocity gradient G along the edge, the viscous stress is
-    ``(tau + eta G.n) t - 2 eta (G.t) n``: the normal part comes from continuity, not from the fit. At rest this
-    is the shear alone. Summed over closed walls it balances the momentum of all cells to round-off.
+    Their sum is the body force of the whole fluid, to round-off.
+
+    Parameters
+    ----------
+    mesh : Triangulation
+    faces : Faces
+    momentum : (m, 2) float64
+        Flux of momentum through each face, out of its first cell, with the pressure as the unknowns have it.
+    level : (t,) float64
+        What is taken off the pressure of each cell, periodic drop apart.
+
+    Returns
+    -------
+    (e, 2) float64
+        In the order of the boundary edges of the mesh, seams of periodic sides included.
+    """
+    ends = mesh.points[mesh.boundary_edges]
+    along = ends[:, 1] - ends[:, 0]
+    more = -(0.5 * (ends[:, 0] + ends[:, 1]) @ faces.gradient) - level[mesh.boundary_triangles]
+    force = faces.edge_sign[:, None] * momentum[faces.edge_face]
+    force[:, 0] += more * along[:, 1]
+    force[:, 1] -= more * along[:, 0]
+    return force
+
+
+def edge_tractions(faces: Faces, force: NDArray[np.float64], edges: NDArray[np.int64], viscosity: float) -> Traction:
+    """Traction on boundary edges where the velocity is prescribed, from the force through them.
+
+    With the outward normal n and the velocity's own gradient G along the edge, the viscous stress is
+    ``(tau + eta G.n) t - 2 eta (G.t) n``: the normal part comes from continuity, not from a fit. At rest this is the
+    shear alone. Summed over closed walls it balances the momentum of all cells to round-off.
 
     Parameters
     ----------
     faces : Faces
-    system : System
-    unknowns : (3 t,) float64
-        The solution.
+    force : (e, 2) float64
+        As given by `edge_forces`.
+    edges : (w,) int64
+        Boundary edges; their faces are MOVING.
     viscosity : float
+
+    Returns
+    -------
+    Traction
+        With the whole pressure.
     """
-    chosen = faces.edge_face[faces.is_wall]
-    sums = system.tables.sums(unknowns)[chosen] + system.tables.constant[chosen]
-    gradient, pressure = sums[:, :2], sums[:, 5]
-    tangent, normal = faces.tangent[chosen], faces.normal[chosen]
+    chosen = faces.edge_face[edges]
+    tangent, normal, length = faces.tangent[chosen], faces.normal[chosen], faces.length[chosen]
     profile = faces.profile[chosen - faces.inner]
-    along = (profile[:, 2] - profile[:, 0]) / faces.length[chosen, None]
-    shear = viscosity * np.einsum("fi,fi->f", gradient, tangent)
+    along = (profile[:, 2] - profile[:, 0]) / length[:, None]
+    stress = force[edges] / length[:, None]
+    stretch = viscosity * np.einsum("fi,fi->f", along, tangent)
+    shear = -np.einsum("fi,fi->f", stress, tangent)
     tangential = shear + viscosity * np.einsum("fi,fi->f", along, normal)
-    stretch = 2.0 * viscosity * np.einsum("fi,fi->f", along, tangent)
-    viscous = stretch[:, None] * normal - tangential[:, None] * tangent
-    return Traction(shear, viscous, pressure * (viscosity / system.scale))
+    viscous = 2.0 * stretch[:, None] * normal - tangential[:, None] * tangent
+    return Traction(shear, viscous, np.einsum("fi,fi->f", stress, normal) - stretch)
