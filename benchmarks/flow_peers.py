@@ -169,7 +169,7 @@ def draw(points: list[tuple[str, str, float, tuple[float, ...]]], path: Path) ->
     for row, what in enumerate(("flow rate", "mean wall shear")):
         for axes, name in zip(panels[row], names, strict=True):
             for method, (colour, marker) in styles.items():
-                mine = [(seconds, abs(away[row])) for n, m, seconds, away in points if (n, m) == (name, method)]
+                mine = sorted((seconds, abs(away[row])) for n, m, seconds, away in points if (n, m) == (name, method))
                 axes.loglog(*zip(*mine, strict=True), marker=marker, color=colour, lw=1.0, ms=4.5, label=method)
             axes.set_title(f"{name}, {what}", fontsize=8.5, loc="left")
             axes.tick_params(labelsize=7)

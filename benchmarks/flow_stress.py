@@ -28,9 +28,10 @@ from numba import njit
 from scipy.spatial import cKDTree
 from tests.flow.taylor_hood import taylor_hood
 
+from vasculo.draw.canvas import INK, SHEAR, new_figure, panel, save
 from vasculo.errors import ComputationError
 from vasculo.flow import assemble
-from vasculo.flow.fits import data, rows
+from vasculo.flow.fits import data, functionals, rows
 from vasculo.flow.stokes import Flow, solve_stokes
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.generate import generate_mesh
@@ -49,7 +50,8 @@ MARK = 100  # lifts the tags of edges: to the mesher zero means none
 CONSTANTS = {
     "SMOOTHING": (0.0, 0.3, 1.0, 1.5, 2.0, 4.0, 10.0),
     "FADING": (0.0, 1.0, 1.5, 2.0),
-    "ALPHA": (0.5, 1.0, 2.0, 3.0),
+    "ALPHA": (0.5, 1.5, 2.0),
+    "RIM_ALPHA": (1.0, 2.0, 3.0),
     "WALL_WEIGHT": (0.5, 1.0, 4.0),
     "FRONT": (0.0, 0.6),
 }
@@ -178,15 +180,15 @@ def build_cases(kinds: list[str]) -> list[Case]:
 
 
 def set_constant(name: str, value: float) -> None:
-    """Change a constant of the scheme, before any kernel of the flow is compiled."""
-    if name == "SMOOTHING":
-        assemble.SMOOTHING = value
-    elif name == "ALPHA":
-        rows.ALPHA = value
-    elif name == "FADING":
+    """Change a constant of the scheme wherever it is known, before any kernel of the flow is compiled."""
+    if name == "FADING":
         data.fading = njit(lambda away: away**-value)
-    else:
-        setattr(data, name, value)
+        return
+    knowing = [module for module in (assemble, data, functionals, rows) if hasattr(module, name)]
+    if not knowing:
+        raise ValueError(f"the scheme has no constant {name}")
+    for module in knowing:
+        setattr(module, name, value)
 
 
 def verdicts(cases: list[Case]) -> list[Verdict]:
@@ -251,6 +253,27 @@ def main() -> None:
                     call = [sys.executable, "-m", "benchmarks.flow_stress", "--cases", str(path)]
                     kept = {**os.environ, "NUMBA_CACHE_DIR": f"{folder}/{name}{value}"}
                     subprocess.run([*call, "--set", name, str(value)], check=True, env=kept)
+    if chosen.picture:
+        draw(cases, found, chosen.picture)
+
+
+def draw(cases: list[Case], found: list[Verdict], path: Path) -> None:
+    """Draw the pressure around the worst triangle of the worst mesh of each kind, and that of P3/P2."""
+    kinds = list(dict.fromkeys(case.kind for case in cases))
+    figure = new_figure(6.4, 3.0 * len(kinds))
+    panels = figure.subplots(len(kinds), 2, squeeze=False)
+    for pair, kind in zip(panels, kinds, strict=True):
+        mine = [k for k, case in enumerate(cases) if case.kind == kind]
+        case = cases[max(mine, key=lambda k: found[k].beyond)]
+        mesh, pressure = case.mesh, solve_stokes(case.mesh, SIDES).pressure
+        x, y = mesh.centroids[np.argmax(np.abs(pressure - case.pressure) * case.smooth)]
+        box = (x - 1.5 * EDGE, y - 1.5 * EDGE, x + 1.5 * EDGE, y + 1.5 * EDGE)
+        names = (f"{kind}, {case.levels} levels:", "the same, P3/P2:")
+        for axes, values, name in zip(pair, (pressure, case.pressure), names, strict=True):
+            axes.tripcolor(*mesh.points.T, mesh.triangles, facecolors=values, edgecolors=INK, lw=0.3, cmap=SHEAR,
+                           vmin=-0.5, vmax=1.5)  # fmt: skip
+            panel(axes, box, f"{name} {values.min():.2g} to {values.max():.2g}")
+    save(figure, path)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from vasculo.flow.boundary import Periodic, Pressure, Slip, Velocity, Wall
 from vasculo.flow.checks import LEAK, check_problem, check_viscosity
 from vasculo.flow.faces import build_faces
 from vasculo.flow.parts import balanced_flux, find_parts, label_parts, label_parts_plain, prescribed_flux
+from vasculo.flow.stokes import solve_stokes
 from vasculo.mesh.triangulation import Triangulation
 
 MESH = rectangle(1.5, 1.0, across=5)
@@ -243,3 +244,17 @@ def test_parts_agree_with_the_plain_twin(drawn):
     wanted = label_parts_plain(pairs, cells)
     np.testing.assert_array_equal(label, wanted)
     assert count == wanted.max() + 1
+
+
+def test_memory_and_solver_are_checked_before_assembly(monkeypatch):
+    def never(*_):
+        raise AssertionError("assembled")
+
+    monkeypatch.setattr("vasculo.flow.stokes.build_faces", never)
+    mesh = rectangle(1.0, 1.0, 4)
+    with pytest.raises(InputError, match=r"on 32 triangles needs .* GB of memory and 1e-06 GB are free"):
+        solve_stokes(mesh, {"left": Pressure(1.0)}, memory=1000)
+    with pytest.raises(InputError, match="solver is 'magic': give 'auto' or one of"):
+        solve_stokes(mesh, {"left": Pressure(1.0)}, solver="magic")
+    with pytest.raises(InputError, match="memory is -1: give bytes"):
+        solve_stokes(mesh, {"left": Pressure(1.0)}, memory=-1)

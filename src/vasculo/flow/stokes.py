@@ -11,6 +11,7 @@ from vasculo.flow.assemble import System, assemble
 from vasculo.flow.body_force import cell_forces
 from vasculo.flow.checks import check_problem, check_viscosity
 from vasculo.flow.faces import Faces, build_faces
+from vasculo.flow.linear.choose import check_fit
 from vasculo.flow.linear.solve import Solution, solve
 from vasculo.flow.read.traction import edge_forces, edge_tractions
 from vasculo.flow.solution import Flow
@@ -84,6 +85,7 @@ def solve_stokes(
         The system could not be solved to a relative residual of 1e-9 or the given tolerance, or mass is not balanced.
     """
     viscosity = check_viscosity(viscosity)
+    check_fit(solver, len(mesh.triangles), memory)
     if order not in {1, 2}:
         raise InputError(f"order is {order!r}: give 1 (linear gradients) or 2 (quadratic fits)")
     faces = build_faces(mesh, conditions)

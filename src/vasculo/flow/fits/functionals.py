@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from numba import njit
 
-from vasculo.flow.faces import INNER, OPEN
+from vasculo.flow.faces import INNER, MIRROR, OPEN
 from vasculo.flow.fits.fit import QUADRATIC, SIZES, term
 
 if TYPE_CHECKING:
@@ -18,12 +18,41 @@ if TYPE_CHECKING:
 # for safety where small triangles stand at a wall.
 ALPHA = 1.0
 RIM_ALPHA = 1.3
+MIRROR_ALPHA = (
+    4.0  # beside a mirror line, where nothing tells the fits what is beyond: less lets local modes nearly free
+)
+# Least share of the plain difference over the distance that a cell's own value must keep in the derivative at a face,
+# inside and at the boundary. Where coarse triangles stand on fine wall edges the fit alone may leave it none, or less:
+# then alpha (at the boundary from 0) grows until it has.
+INNER_SHARE, RIM_SHARE = 0.5, 0.7
+MOST_ALPHA = 4.0
 CLASSICAL_ALPHA = 1.0  # with a linear fit: the plain difference of the two cells, corrected for their skewness only
 
 # Columns of `Tables.weight`.
 GRADIENT, MEAN, JUMP, PRESSURE = range(4)
 # The fits of a face, in turn.
 VELOCITY_FIT, OUTFLOW_FIT, PRESSURE_FIT = range(3)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def damping(near: NDArray[np.int32], count: int, rim_kind: NDArray[np.int32]) -> float:
+    """Alpha of a quadratic fit, from the kinds of the `count` boundary faces that it sees."""
+    alpha = RIM_ALPHA if count > 0 else ALPHA
+    for k in range(count):
+        if rim_kind[near[k]] == MIRROR:
+            alpha = MIRROR_ALPHA
+    return alpha
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def lacks_share(
+    kind: int, alpha: float, length: float, cell_at: NDArray[np.float64], work: NDArray[np.float64]
+) -> bool:
+    """Whether a cell's own value counts too little in the derivative that `work` holds (own cells come first there)."""
+    if kind == INNER:
+        between = (cell_at[1, 1] - cell_at[0, 1]) * length
+        return alpha + between * min(-work[6, 0], work[6, 1]) < INNER_SHARE
+    return alpha + cell_at[0, 1] * length * work[6, 0] < RIM_SHARE
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -61,6 +90,8 @@ def set_goals(
             goals[1, 3] = 1.0 / 12.0
     else:
         goals[0, 0] = 1.0 / length
+        for k in range(SIZES[family]):
+            goals[0, k] -= alpha / (cell_at[0, 1] * length) * term(family, k, cell_at[0, 0], cell_at[0, 1])
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -93,6 +124,8 @@ def add_direct_part(
         if not fitted:
             weight[0, GRADIENT] = -1.0 / left
             constant[0], constant[1] = profile[1, 0] / left, profile[1, 1] / left
+        else:
+            weight[0, GRADIENT] -= alpha / left
     elif fit == OUTFLOW_FIT:
         if not fitted:
             weight[0, MEAN] = 1.0

@@ -11,13 +11,14 @@ from vasculo.flow.faces import INNER, MOVING, OPEN
 from vasculo.flow.fits.data import collect
 from vasculo.flow.fits.fit import AT_REST, LINEAR, OUTFLOW, QUADRATIC, SHEAR, fit_weights
 from vasculo.flow.fits.functionals import (
-    ALPHA,
     CLASSICAL_ALPHA,
+    MOST_ALPHA,
     OUTFLOW_FIT,
     PRESSURE_FIT,
-    RIM_ALPHA,
     VELOCITY_FIT,
     add_direct_part,
+    damping,
+    lacks_share,
     set_goals,
 )
 from vasculo.flow.fits.stencil import MAX_CELLS, MAX_RIM, TOP_LEVEL, grow
@@ -39,7 +40,9 @@ COUNTS = (
     "two_point_fits",
     "two_point_outflows",
     "two_point_pressures",
+    "damped_fits",
 )
+DAMPED = len(COUNTS) - 1
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -112,7 +115,7 @@ def fill_rows(
                     enough = 8
                 fitted = False
                 rows, attempt = 0, 0
-                alpha = CLASSICAL_ALPHA
+                alpha = CLASSICAL_ALPHA if kind == INNER else 0.0
                 while attempt < (TOP_LEVEL + 2 if fit == VELOCITY_FIT else 1):
                     if fit == VELOCITY_FIT and attempt <= TOP_LEVEL:
                         grow(
@@ -128,13 +131,26 @@ def fill_rows(
                     )  # fmt: skip
                     few = rows < enough or (fit == VELOCITY_FIT and count[0] < 5)
                     if not few or (fit == VELOCITY_FIT and attempt >= TOP_LEVEL):
-                        if order == 2:
-                            alpha = RIM_ALPHA if count[1] > 0 else ALPHA
+                        if order == 2 and kind == INNER:
+                            alpha = damping(near, count[1], rim_kind)
                         set_goals(fit, family, kind, alpha, length, cell_at, goals)
                         fitted = fit_weights(family, rows, at, weight, goals, work) < WORST
                         if fitted:
                             break
                     attempt += 1
+                if fitted and fit == VELOCITY_FIT and order == 2 and attempt <= TOP_LEVEL:
+                    plain = alpha
+                    while lacks_share(kind, alpha, length, cell_at, work):
+                        if alpha < MOST_ALPHA:
+                            alpha = 1.5 * alpha + 0.5
+                        else:
+                            family = LINEAR if kind == INNER else SHEAR
+                            alpha, attempt = CLASSICAL_ALPHA if kind == INNER else 0.0, TOP_LEVEL + 1
+                        set_goals(fit, family, kind, alpha, length, cell_at, goals)
+                        fitted = fit_weights(family, rows, at, weight, goals, work) < WORST
+                        if attempt > TOP_LEVEL:
+                            break
+                    counts[rank, DAMPED] += alpha > plain and count[0] <= stop[f] - place
                 if fit == VELOCITY_FIT:
                     # Only now the number of cells is known.
                     if count[0] > stop[f] - place:
@@ -163,10 +179,11 @@ def fill_rows(
                             constant[f, 2 * goal + 1] += part * value[r, 1]
                     if kind == MOVING and fit == VELOCITY_FIT:
                         # The fit is for what is left beside the given parabola through the values on the face.
+                        part = work[6, r] + (alpha / (cell_at[0, 1] * length) if r == 0 else 0.0)
                         for axis in range(2):
                             a, b, c = profile[edge, 0, axis], profile[edge, 1, axis], profile[edge, 2, axis]
                             given = b + (c - a) * at[r, 0] + 2.0 * (a + c - 2.0 * b) * at[r, 0] ** 2
-                            constant[f, axis] -= work[6, r] * given
+                            constant[f, axis] -= part * given
                 here = max(edge, 0)
                 add_direct_part(
                     fit, kind, alpha, fitted, length, cell_at, out_weight[place:], constant[f], profile[here],

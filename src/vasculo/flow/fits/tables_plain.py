@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vasculo.flow.faces import INNER, MOVING, OPEN
+from vasculo.flow.faces import INNER, MIRROR, MOVING, OPEN
 from vasculo.flow.fits.data import FRONT, NEAREST, SLACK, WALL_WEIGHT
 from vasculo.flow.fits.fit import AT_REST, LINEAR, OUTFLOW, QUADRATIC, TERMS, fit_weights_plain
-from vasculo.flow.fits.functionals import ALPHA, GRADIENT, JUMP, MEAN, PRESSURE, RIM_ALPHA
+from vasculo.flow.fits.functionals import ALPHA, GRADIENT, JUMP, MEAN, MIRROR_ALPHA, PRESSURE, RIM_ALPHA
 from vasculo.flow.fits.stencil import stencil_plain
 
 FADING = 1.25  # power of the distance with which an equation counts less
@@ -64,7 +64,8 @@ def face_row_plain(
     goals = np.zeros((2, len(TERMS[family])))
     if kind == INNER:
         between = (right - left)[1] * length
-        alpha = RIM_ALPHA if near else ALPHA
+        kinds = faces.kind[faces.inner :][near]
+        alpha = ALPHA if not near else MIRROR_ALPHA if MIRROR in kinds else RIM_ALPHA
         goals[0] = -alpha / between * (terms_plain(family, right) - terms_plain(family, left))
         goals[0, 2] += 1.0 / length
         goals[1, 0], goals[1, 3] = 1.0, 1.0 / 12.0

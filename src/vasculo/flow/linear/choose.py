@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vasculo.errors import InputError
-from vasculo.flow.linear.memory import check_memory
+from vasculo.flow.linear.memory import available_memory, check_memory
 from vasculo.flow.linear.pardiso import library
 
 # Bytes a cell at the least, in arrays so dense that every cut of the fluid is short; open fluid needs up to twice as
@@ -35,6 +35,23 @@ def candidates(solver: str, cells: int) -> list[str]:
     if library() is not None:
         return ["direct", "compact"]
     return ["splu", "splu-compact"] if cells <= MANY else ["splu-compact", "splu"]
+
+
+def check_fit(solver: str, cells: int, memory: float | None = None) -> None:
+    """Refuse, before the system is assembled, what no solver can do with the memory (None: what is free).
+
+    Raises
+    ------
+    InputError
+        An unknown or missing solver, memory that is not positive.
+    TooLargeError
+        Even the least of the solvers in question needs more.
+    """
+    if memory is not None and not memory > 0:
+        raise InputError(f"memory is {memory!r}: give bytes, more than 0")
+    least = min(candidates(solver, cells), key=LEAST.__getitem__)
+    allowed = available_memory() if memory is None else memory
+    check_memory(LEAST[least] * cells, allowed, f"solver {least!r} on {cells} triangles")
 
 
 def left_for_factors(solver: str, cells: int, allowed: float | None) -> float | None:

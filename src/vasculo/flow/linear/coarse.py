@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,10 +16,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-    Ints = NDArray[np.int32]
+    Ints = NDArray[np.integer]
 
 
-def interface_components(start: Ints, columns: Ints, part: Ints) -> Ints:
+def interface_components(start: Ints, columns: Ints, part: Ints) -> NDArray[np.int32]:
     """Label the interface: the cells that the matrix couples to another part.
 
     Parameters
@@ -51,8 +52,8 @@ def interface_components(start: Ints, columns: Ints, part: Ints) -> Ints:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def label_components(start: Ints, columns: Ints, kind: NDArray[np.int64], label: Ints) -> int:
-    """Number cells of the same `kind` (t,) at most two steps apart in `label` (t,), -1 before; return how many."""
+def label_components(start: Ints, columns: Ints, kind: Ints, label: Ints) -> int:
+    """Write into `label` (t,), -1 before, the sets of cells of one `kind` (t,) two steps apart; return their number."""
     queue = np.empty(len(kind), np.int32)
     count = 0
     for seed in range(len(kind)):
@@ -78,7 +79,7 @@ def label_components(start: Ints, columns: Ints, kind: NDArray[np.int64], label:
 
 def interface_components_plain(start: Ints, columns: Ints, part: Ints) -> Ints:
     """Components from sets of cells; the reference of `interface_components`."""
-    near = [set(columns[a:b].tolist()) | {c} for c, (a, b) in enumerate(zip(start, start[1:], strict=False))]
+    near = [set(columns[a:b].tolist()) | {c} for c, (a, b) in enumerate(pairwise(start))]
     seen = [frozenset(part[list(cells)].tolist()) for cells in near]
     label = np.full(len(part), -1, dtype=np.int32)
     count = 0

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from vasculo.errors import InputError
 from vasculo.flow.linear.partition_cut import cut_between, spread
 
 if TYPE_CHECKING:
@@ -33,10 +34,17 @@ def partition(start: Ints, columns: Ints, most: int = 20_000) -> Ints:
     (t,) int32
         Part of each cell, numbered by their lowest cells.
 
+    Raises
+    ------
+    InputError
+        `most` is below 1.
+
     Notes
     -----
-    Recursive bisection by least cuts between the two far ends of a piece; time grows like t log(t / most).
+    Recursive bisection by least cuts between the two far ends of a piece; the time grows like t log(t / most).
     """
+    if most < 1:
+        raise InputError(f"most is {most} cells a part, expected 1 or more")
     part = np.empty(len(start) - 1, dtype=np.int32)
     cut_graph(start, columns, mirror_entries(start, columns), most, part)
     return part
@@ -67,13 +75,13 @@ def cut_graph(start: Ints, columns: Ints, back: Ints, most: int, part: Ints) -> 
     away, level = np.full(cells, -1, np.int32), np.full(cells, -1, np.int32)
     side = np.zeros(cells, np.int8)
     flow = np.zeros(len(columns), np.int8)
-    stack = [np.int32(0) for _ in range(0)]
+    stack = [np.int32(c) for c in range(0)]
     pieces = 0
-    for seed in range(cells):
-        if part[seed] == 0:
+    for c in range(cells):
+        if part[c] == 0:
             pieces += 1
-            stack.append(np.int32(seed))
-            number = spread(start, columns, part, seed, queue, away)
+            stack.append(np.int32(c))
+            number = spread(start, columns, part, c, queue, away)
             for i in range(number):
                 part[queue[i]], away[queue[i]] = pieces, -1
     while len(stack) > 0:
@@ -90,14 +98,14 @@ def cut_graph(start: Ints, columns: Ints, back: Ints, most: int, part: Ints) -> 
         piece = queue[:number].copy()
         mark_ends(piece, away, level, side)
         for i in range(number):
-            away[piece[i]] = level[piece[i]] = -1
+            level[piece[i]] = -1
         cut_between(start, columns, back, part, piece, side, flow, level, away)
         pieces += 1
         for i in range(number):
-            c = piece[i]
-            if level[c] < 0:
-                part[c] = pieces
-            level[c], away[c], side[c] = -1, -1, 0
+            if level[piece[i]] < 0:
+                part[piece[i]] = pieces
+        for i in range(number):
+            level[piece[i]], away[piece[i]], side[piece[i]] = -1, -1, 0
         stack.append(one)
         stack.append(two)
     # numbers in the order of the lowest cells
@@ -112,10 +120,10 @@ def cut_graph(start: Ints, columns: Ints, back: Ints, most: int, part: Ints) -> 
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def mark_ends(piece: Ints, away: Ints, back: Ints, side: NDArray[np.int8]) -> None:
+def mark_ends(piece: Ints, away: Ints, beyond: Ints, side: NDArray[np.int8]) -> None:
     """Mark the cells near the first cell of a piece, 1 in `side`, and those near its last, 2; both sets are connected.
 
-    `away` and `back` are the distances from the first and from the last.
+    `away` and `beyond` are the distances from the first and from the last.
     """
     # Strategy: on the shortest way to the first cell the difference of the two distances never grows, and the distance
     # itself falls. So the first cells in the order of difference and then distance are connected; and from the other
@@ -123,19 +131,19 @@ def mark_ends(piece: Ints, away: Ints, back: Ints, side: NDArray[np.int8]) -> No
     number = len(piece)
     key = np.empty(number, np.int64)
     for i in range(number):
-        key[i] = np.int64(away[piece[i]] - back[piece[i]]) * number + away[piece[i]]
+        key[i] = np.int64(away[piece[i]] - beyond[piece[i]]) * number + away[piece[i]]
     line = piece[np.argsort(key, kind="mergesort")]
     size = max(1, int(END * number))
     for i in range(size):
         side[line[i]] = 1
-    last = away[line[size - 1]] - back[line[size - 1]]
+    last = away[line[size - 1]] - beyond[line[size - 1]]
     stop, left = number, size
     while left > 0:
         rank = stop - 1
-        here = away[line[rank]] - back[line[rank]]
+        here = away[line[rank]] - beyond[line[rank]]
         if here <= last:
             break
-        while away[line[rank - 1]] - back[line[rank - 1]] == here:
+        while away[line[rank - 1]] - beyond[line[rank - 1]] == here:
             rank -= 1
         for i in range(rank, min(stop, rank + left)):
             side[line[i]] = 2

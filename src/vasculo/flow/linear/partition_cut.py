@@ -45,52 +45,71 @@ def cut_between(
 ) -> int:
     """Cut a piece between the cells with 1 and those with 2 in `side`; return how many faces are cut.
 
-    `level` (t,), -1 in the piece before, is -1 afterwards in all cells beyond the cut; of all least cuts it is the one
-    nearest the first set. `flow` (k,) is zero before and after; `place` (t,) is overwritten in the piece.
+    `level` (t,), -1 in the piece before, is -1 afterwards in all cells on the side of the first set, and not in the
+    others; of all least cuts it is the one nearest the second set. `flow` (k,) is zero before and after; `place` (t,)
+    is overwritten in the piece.
     """
-    # Strategy: every face carries one way, either direction. Levels count the faces from the first set along which
-    # another way could go; then all ways that climb level by level to the second set are taken, and levels are made
-    # anew, until the second set is out of reach.
+    # Strategy: every face carries one way, either direction. Levels count the faces to the second set along which
+    # another way could go; then all ways that go down level by level are taken, and levels are made anew, until the
+    # second set is out of reach. Only what lies between the sets is looked at, with their edges.
     number = len(piece)
     queue, trail = np.empty(number, np.int32), np.empty(number, np.int32)
-    total = 0
+    middle, sources, sinks = np.empty(number, np.int32), np.empty(number, np.int32), np.empty(number, np.int32)
+    between = outs = ins = total = 0
+    for i in range(number):
+        c = piece[i]
+        if side[c] == 0:
+            middle[between] = c
+            between += 1
+            continue
+        if side[c] == 2:
+            level[c] = 0
+        for k in range(start[c], start[c + 1]):
+            if part[columns[k]] == part[c] and side[columns[k]] != side[c]:
+                if side[c] == 1:
+                    sources[outs] = c
+                    outs += 1
+                else:
+                    sinks[ins] = c
+                    ins += 1
+                break
     while True:
-        count = 0
-        for i in range(number):
-            c = piece[i]
-            place[c] = start[c]
-            level[c] = -1
-            if side[c] == 1:
-                level[c] = 0
-                queue[count] = c
-                count += 1
-        sources, head, reached = count, 0, False
-        while head < count and not reached:
+        for i in range(between):
+            level[middle[i]] = -1
+            place[middle[i]] = start[middle[i]]
+        for i in range(outs):
+            level[sources[i]] = -1
+            place[sources[i]] = start[sources[i]]
+        queue[:ins] = sinks[:ins]
+        count, head, most = ins, 0, number
+        while head < count and level[queue[head]] < most:
             c = queue[head]
             head += 1
             for k in range(start[c], start[c + 1]):
                 j = columns[k]
-                if level[j] < 0 and part[j] == part[c] and flow[k] < 1:
+                if level[j] < 0 and part[j] == part[c] and flow[back[k]] < 1:
                     level[j] = level[c] + 1
-                    queue[count] = j
-                    count += 1
-                    reached = reached or side[j] == 2
-        if not reached:
+                    if side[j] == 1:
+                        most = level[j]
+                    else:
+                        queue[count] = j
+                        count += 1
+        if most == number:
             break
-        for i in range(sources):
-            c, length = queue[i], 0
-            while True:
-                if side[c] == 2:  # a way was found: take it, and look for the next from the same source
+        for i in range(outs):
+            c, length = sources[i], 0
+            while level[sources[i]] > 0:
+                if side[c] == 2:  # a way was found: take it, and look for the next from the same cell
                     for n in range(length):
                         flow[trail[n]] += 1
                         flow[back[trail[n]]] -= 1
                     total += 1
-                    c, length = queue[i], 0
+                    c, length = sources[i], 0
                     continue
                 while place[c] < start[c + 1]:
                     k = place[c]
                     j = columns[k]
-                    if part[j] == part[c] and flow[k] < 1 and level[j] == level[c] + 1:
+                    if part[j] == part[c] and flow[k] < 1 and level[j] == level[c] - 1:
                         break
                     place[c] += 1
                 if place[c] < start[c + 1]:

@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from scipy import sparse
 
     Floats = NDArray[np.float64]
-    Ints = NDArray[np.int32]
+    Ints = NDArray[np.integer]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
 class Inside(NamedTuple):
-    """What is kept of a part: its cells off the interface, their factor, and the flow that the components drive there."""
+    """What is kept of a part: its cells off the interface, their factor, and what the components drive there."""
 
     cells: Ints
     factor: LocalFactor
@@ -74,7 +74,7 @@ class SchwarzFactor:
     within about a width, so the number of iterations does not grow with the number of parts.
     """
 
-    def __init__(self, blocks: sparse.bsr_array, part: NDArray[np.integer], overlap: int = 4) -> None:
+    def __init__(self, blocks: sparse.bsr_array, part: NDArray[np.integer], overlap: int = 6) -> None:
         cells = blocks.shape[0] // 3
         part = np.asarray(part, dtype=np.int32)
         if part.shape != (cells,) or cells == 0 or part.min() < 0:
@@ -107,6 +107,12 @@ class SchwarzFactor:
         return int(self._label.max(initial=-1)) + 1
 
     @property
+    def strip(self) -> float:
+        """Share of the cells that belong to the strip along the interface."""
+        inside = sum(len(part.cells) for part in self._insides)
+        return len(self._strip.cells) / (inside + len(self._interface)) if self.components else 0.0
+
+    @property
     def bytes(self) -> int:
         """Bytes of the factors and of the basis."""
         strips = [self._strip.factor.bytes] if self.components else []
@@ -129,7 +135,7 @@ class SchwarzFactor:
         if self.components == 0:
             return found.ravel()
         missing = self._left_in_strip(given, found)[self._in_strip, 2]
-        pressure = self._coarse(np.bincount(self._label, missing))
+        pressure = self._coarse(np.bincount(self._label, missing).astype(np.float64))
         found[self._interface, 2] = pressure[self._label]
         self._each(drive, self._insides)
         left = self._left_in_strip(given, found)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-    Ints = NDArray[np.int32]
+    Ints = NDArray[np.integer]
 
 ENTRY = 6.5  # bytes an entry of SuperLU's factors, measured
 
@@ -66,6 +66,7 @@ def local_factor(matrix: sparse.bsr_array) -> Iterator[LocalFactor]:
     """
     if library() is not None:
         with BlockFactor(matrix) as factor:
+            del matrix  # this frame lives as long as the factor
             yield LocalFactor(factor.solve, factor.bytes)
         return
     columns = matrix.tocsc().astype(np.float32)
@@ -74,4 +75,5 @@ def local_factor(matrix: sparse.bsr_array) -> Iterator[LocalFactor]:
         direct = splu(columns, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise ComputationError(f"a part of {matrix.shape[0] // 3} cells is singular ({error})") from error
+    del matrix, columns
     yield LocalFactor(lambda right: direct.solve(right.astype(np.float32)).astype(np.float64), int(ENTRY * direct.nnz))
