@@ -101,7 +101,7 @@ def measure(system: System, matrix: sparse.bsr_array, solver: str, most: int, ov
         part = partition(matrix.indptr, matrix.indices, most)
         times.append(process_time())
         with SchwarzFactor(matrix, part, overlap) as parts:
-            seen = [str(part.max() + 1), str(np.bincount(part).max()), str(parts.components), f"{parts.strip:.3f}"]
+            seen = [str(part.max() + 1), str(np.bincount(part).max()), str(parts.coarse), f"{parts.strip:.3f}"]
             return [*seen, *use(system, parts.solve, inverse, times, before)]
     times.append(process_time())
     with local_factor(matrix) as whole:

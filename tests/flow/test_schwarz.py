@@ -11,7 +11,7 @@ from vasculo.flow.assemble import assemble
 from vasculo.flow.boundary import Periodic, Pressure, Slip, Velocity, Wall
 from vasculo.flow.faces import OPEN, build_faces
 from vasculo.flow.linear import pardiso
-from vasculo.flow.linear.coarse import interface_components, interface_components_plain
+from vasculo.flow.linear.coarse import NARROW, Components, interface_components, interface_components_plain
 from vasculo.flow.linear.compact import compact_matrix
 from vasculo.flow.linear.jacobi import inverse_diagonal, jacobi_step
 from vasculo.flow.linear.krylov import refine
@@ -102,17 +102,27 @@ def test_components_match_their_twin(most, full):
     part = parts(compact, most)
     pattern = cell_pattern(system.blocks() if full else compact)
     made = interface_components(pattern.indptr, pattern.indices, part)
-    np.testing.assert_array_equal(made, interface_components_plain(pattern.indptr, pattern.indices, part))
-    assert (made.max() >= 0) == (part.max() > 0)
+    wanted = interface_components_plain(pattern.indptr, pattern.indices, part)
+    np.testing.assert_array_equal(made.label, wanted.label)
+    np.testing.assert_array_equal(made.wide, wanted.wide)
+    assert made.label.max() < 0 or np.bincount(made.label[made.label >= 0]).max() <= NARROW
+    assert (made.label.max() >= 0) == (part.max() > 0)
+
+
+def test_modes():
+    label, wide = np.array([0, -1, 1, 1, 2, 0]), np.array([False, False, True, True, False, False])
+    modes = Components(label, wide).modes()
+    nothing = [-1, -1, -1]
+    np.testing.assert_array_equal(modes, [[-1, -1, 0], nothing, [2, 3, 1], [2, 3, 1], [-1, -1, 4], [-1, -1, 0]])
 
 
 def basis_of(factor, cells):
     """The whole basis Z, dense."""
-    basis = np.zeros((factor.components, cells, 3))
-    basis[factor._label, factor._interface, 2] = 1.0
+    basis = np.zeros((factor.coarse, cells, 3))
+    basis[:, factor._interface] = factor._chosen.toarray().reshape(-1, 3, factor.coarse).transpose(2, 0, 1)
     for inside in factor._insides:
-        basis[inside.components[:, None], inside.cells] = inside.basis.reshape(len(inside.basis), -1, 3)
-    return basis.reshape(factor.components, -1).T
+        basis[inside.columns[:, None], inside.cells] = inside.basis.reshape(len(inside.basis), -1, 3)
+    return basis.reshape(factor.coarse, -1).T
 
 
 @pytest.mark.parametrize("full", [False, True])
@@ -127,14 +137,15 @@ def test_the_basis_drives_nothing_inside_and_adds_up_to_an_even_pressure(full):
         assert np.abs(product[inside]).max() < 1e-4
         assert np.abs(product).max() > 0.1
         # An even pressure is in the coarse space wherever no opening holds it.
-        total = basis.sum(axis=1).reshape(-1, 3)
+        pressures = np.unique(factor._modes[:, 2])
+        total = basis[:, pressures].sum(axis=1).reshape(-1, 3)
         faces = system.faces
         opened = np.isin(part, part[faces.cells[faces.kind == OPEN, 0]])
         np.testing.assert_allclose(total[~opened], np.broadcast_to([0.0, 0.0, 1.0], total[~opened].shape), atol=1e-4)
         assert np.count_nonzero(~opened) > 100
         galerkin = basis.T @ (matrix.astype(np.float64) @ basis)
-        wanted = np.random.default_rng(0).normal(size=factor.components)
-        np.testing.assert_allclose(factor._coarse(galerkin @ wanted), wanted, atol=1e-3)
+        wanted = np.random.default_rng(0).normal(size=factor.coarse)
+        np.testing.assert_allclose(factor._solve_coarse(galerkin @ wanted), wanted, atol=1e-3)
 
 
 def without_pressure_level(mesh, system, found):
@@ -155,7 +166,7 @@ def test_solutions_equal_those_of_one_factor(library, case):
     for matrix, weight, overlap in ((compact, 0.4, 6), (system.blocks(), 0.0, 2)):
         with SchwarzFactor(matrix, parts(compact, 400), overlap) as factor:
             found = iterations(system, factor, DIRECT, weight)
-            assert factor.components >= 4
+            assert factor.coarse >= 4
             assert factor.bytes > 100 * system.cells
         assert found.residual <= DIRECT
         made = without_pressure_level(mesh, system, found.unknowns)
@@ -180,8 +191,24 @@ def test_without_the_coarse_space_they_would(monkeypatch):
     system, compact = problem(array(12, 0.2), CASES["open"])
     with SchwarzFactor(compact, parts(compact, 250), 2) as factor:
         taken = iterations(system, factor).iterations
-        monkeypatch.setattr(factor, "_coarse", np.zeros_like)
+        monkeypatch.setattr(factor, "_solve_coarse", np.zeros_like)
         assert iterations(system, factor).iterations > 1.5 * taken
+
+
+def test_wide_cuts_have_velocities_too(monkeypatch):
+    mesh = rectangle(3.0, 2.0, across=44, seed=2)
+    system, compact = problem(mesh, DROP)
+    part = parts(compact, 1200)
+    with local_factor(compact) as whole:
+        exact = iterations(system, whole).iterations
+    with SchwarzFactor(compact, part) as factor:
+        assert (factor._modes >= 0).all(axis=1).sum() > 100
+        taken = iterations(system, factor).iterations
+    monkeypatch.setattr("vasculo.flow.linear.coarse.NARROW", 10**6)
+    with SchwarzFactor(compact, part) as factor:
+        assert (factor._modes[:, :2] < 0).all()
+        assert iterations(system, factor).iterations > 1.5 * taken
+    assert taken <= 1.5 * exact
 
 
 def test_with_the_full_matrix_there_are_fewer():
@@ -194,7 +221,7 @@ def test_with_the_full_matrix_there_are_fewer():
 def test_one_part_is_one_factor(library):
     system, compact = problem(array(3), CASES["open"])
     with SchwarzFactor(compact, np.zeros(system.cells, dtype=np.int64)) as factor, local_factor(compact) as whole:
-        assert factor.components == 0
+        assert factor.coarse == 0
         np.testing.assert_allclose(factor.solve(system.right), whole.solve(system.right), rtol=1e-4, atol=1e-6)
     assert library in {"pardiso", "splu"}
 
@@ -242,7 +269,7 @@ def test_a_part_that_cannot_be_solved_is_refused(monkeypatch):
     monkeypatch.setattr("vasculo.flow.linear.schwarz_blocks.library", lambda: None)
     system, compact = problem(array(3), CASES["open"])
     part = parts(compact, 200)
-    label = interface_components(compact.indptr, compact.indices, part)
+    label = interface_components(compact.indptr, compact.indices, part).label
     cell = np.flatnonzero(label < 0)[5]
     compact.data[compact.indptr[cell] : compact.indptr[cell + 1]] = 0.0
     with pytest.raises(ComputationError, match="singular") as caught, SchwarzFactor(compact, part):

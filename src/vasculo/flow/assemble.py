@@ -10,7 +10,6 @@ from scipy import sparse
 
 from vasculo.flow.balance import balance_cells, fluxes_of_sums, list_cell_faces
 from vasculo.flow.blocks import count_columns, fill_blocks
-from vasculo.flow.faces import MOVING, Faces
 from vasculo.flow.fits.tables import Tables, face_tables
 from vasculo.flow.parts import balanced_flux, find_parts
 from vasculo.springs.threads import run_team
@@ -18,6 +17,7 @@ from vasculo.springs.threads import run_team
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vasculo.flow.faces import Faces
     from vasculo.flow.parts import Parts
     from vasculo.mesh.triangulation import Triangulation
 
@@ -134,7 +134,6 @@ def assemble(
     tables = face_tables(mesh, faces, faces.opening * (scale / viscosity), order)
     smoothing = faces.length / scale**2 * smoothing_factor(mesh, faces)
     given = _fluxes(faces, smoothing, scale, tables.constant.copy())
-    _add_prescribed(faces, given)
     given[faces.inner :, 2] += balanced_flux(faces, parts) / scale
     cell_faces = np.empty((cells, 3), dtype=np.int32)
     list_cell_faces(faces.cells, cell_faces)
@@ -172,11 +171,3 @@ def smoothing_factor(mesh: Triangulation, faces: Faces) -> NDArray[np.float64]:
     size = mesh.areas / total
     other = np.where(faces.cells[:, 1] >= 0, faces.cells[:, 1], faces.cells[:, 0])
     return np.asarray(SMOOTHING * 0.5 * (size[faces.cells[:, 0]] + size[other]) / faces.distance)
-
-
-def _add_prescribed(faces: Faces, given: NDArray[np.float64]) -> None:
-    """Where the velocity is given, continuity gives du_n/dn = -du_t/dt; adds to `given`."""
-    moving = np.flatnonzero(faces.kind == MOVING)
-    profile = faces.profile[moving - faces.inner]
-    stretch = np.einsum("fi,fi->f", profile[:, 2] - profile[:, 0], faces.tangent[moving])
-    given[moving, :2] += stretch[:, None] * faces.normal[moving]

@@ -34,14 +34,13 @@ def list_cell_faces(cells: NDArray[np.int32], cell_faces: NDArray[np.int32]) -> 
 def carried(kind: int, nx: float, ny: float) -> tuple[float, float, float]:
     """Which part of the normal derivative carries momentum through a face, as xx, xy, yy of a projection.
 
-    All of it inside, the part along the face at walls and openings, across it on mirror lines; the rest is known or
-    zero.
+    All of it inside and at walls, the part along the face at openings, across it on mirror lines; the rest is zero.
     """
-    if kind == INNER:
-        return 1.0, 0.0, 1.0
     if kind == MIRROR:
         return nx * nx, nx * ny, ny * ny
-    return ny * ny, -nx * ny, nx * nx
+    if kind == OPEN:
+        return ny * ny, -nx * ny, nx * nx
+    return 1.0, 0.0, 1.0
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -106,7 +105,7 @@ def fluxes_plain(
     projection = np.eye(2)
     if kind == MIRROR:
         projection = np.outer(normal, normal)
-    elif kind != INNER:
+    elif kind == OPEN:
         projection = np.eye(2) - np.outer(normal, normal)
     momentum = length * (sums[5] / scale * normal - projection @ sums[:2])
     mass = length / scale * (sums[2:4] @ normal) - smoothing * sums[4] if kind in {INNER, OPEN} else 0.0

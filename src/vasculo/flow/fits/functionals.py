@@ -25,7 +25,7 @@ MIRROR_ALPHA = (
 # inside and at the boundary. Where coarse triangles stand on fine wall edges the fit alone may leave it none, or less:
 # then alpha (at the boundary from 0) grows until it has.
 INNER_SHARE, RIM_SHARE = 0.5, 0.7
-MOST_ALPHA = 4.0
+MOST_ALPHA = 10.0
 CLASSICAL_ALPHA = 1.0  # with a linear fit: the plain difference of the two cells, corrected for their skewness only
 
 # Columns of `Tables.weight`.

@@ -140,16 +140,10 @@ def fill_rows(
                     attempt += 1
                 if fitted and fit == VELOCITY_FIT and order == 2 and attempt <= TOP_LEVEL:
                     plain = alpha
-                    while lacks_share(kind, alpha, length, cell_at, work):
-                        if alpha < MOST_ALPHA:
-                            alpha = 1.5 * alpha + 0.5
-                        else:
-                            family = LINEAR if kind == INNER else SHEAR
-                            alpha, attempt = CLASSICAL_ALPHA if kind == INNER else 0.0, TOP_LEVEL + 1
+                    while alpha < MOST_ALPHA and lacks_share(kind, alpha, length, cell_at, work):
+                        alpha = 1.5 * alpha + 0.5
                         set_goals(fit, family, kind, alpha, length, cell_at, goals)
-                        fitted = fit_weights(family, rows, at, weight, goals, work) < WORST
-                        if attempt > TOP_LEVEL:
-                            break
+                        fit_weights(family, rows, at, weight, goals, work)
                     counts[rank, DAMPED] += alpha > plain and count[0] <= stop[f] - place
                 if fit == VELOCITY_FIT:
                     # Only now the number of cells is known.

@@ -9,7 +9,18 @@ import numpy as np
 from vasculo.flow.faces import INNER, MIRROR, MOVING, OPEN
 from vasculo.flow.fits.data import FRONT, NEAREST, SLACK, WALL_WEIGHT
 from vasculo.flow.fits.fit import AT_REST, LINEAR, OUTFLOW, QUADRATIC, TERMS, fit_weights_plain
-from vasculo.flow.fits.functionals import ALPHA, GRADIENT, JUMP, MEAN, MIRROR_ALPHA, PRESSURE, RIM_ALPHA
+from vasculo.flow.fits.functionals import (
+    ALPHA,
+    GRADIENT,
+    INNER_SHARE,
+    JUMP,
+    MEAN,
+    MIRROR_ALPHA,
+    MOST_ALPHA,
+    PRESSURE,
+    RIM_ALPHA,
+    RIM_SHARE,
+)
 from vasculo.flow.fits.stencil import stencil_plain
 
 FADING = 1.25  # power of the distance with which an equation counts less
@@ -61,23 +72,32 @@ def face_row_plain(
 
     # Velocity: its normal derivative, and (inner faces) its mean over the face.
     family = QUADRATIC if kind == INNER else AT_REST
-    goals = np.zeros((2, len(TERMS[family])))
-    if kind == INNER:
-        between = (right - left)[1] * length
-        kinds = faces.kind[faces.inner :][near]
-        alpha = ALPHA if not near else MIRROR_ALPHA if MIRROR in kinds else RIM_ALPHA
-        goals[0] = -alpha / between * (terms_plain(family, right) - terms_plain(family, left))
-        goals[0, 2] += 1.0 / length
-        goals[1, 0], goals[1, 3] = 1.0, 1.0 / 12.0
-        weight[own, GRADIENT] += np.array([-1.0, 1.0]) * alpha / between
-    else:
-        goals[0, 0] = 1.0 / length
     profile = faces.profile[face - faces.inner] if kind != INNER else np.zeros((3, 2))
     at = np.concatenate([cell_at[seen], wall_at])
-    found = fit_weights_plain(family, at, _fade(at, share), goals)
+    kinds = faces.kind[faces.inner :][near]
+    alpha = 0.0 if kind != INNER else ALPHA if not near else MIRROR_ALPHA if MIRROR in kinds else RIM_ALPHA
+    between = ((right - left)[1] if kind == INNER else -left[1]) * length
+    while True:
+        goals = np.zeros((2, len(TERMS[family])))
+        goals[0] = alpha / between * terms_plain(family, left)
+        if kind == INNER:
+            goals[0] -= alpha / between * terms_plain(family, right)
+            goals[1, 0], goals[1, 3] = 1.0, 1.0 / 12.0
+        goals[0, 2 if kind == INNER else 0] += 1.0 / length
+        found = fit_weights_plain(family, at, _fade(at, share), goals)
+        first = list(seen).index(own[0])
+        second = list(seen).index(own[1]) if kind == INNER else first
+        kept = [alpha - between * found[0, first], alpha + between * found[0, second]]
+        if alpha >= MOST_ALPHA or not (min(kept) < INNER_SHARE if kind == INNER else kept[0] < RIM_SHARE):
+            break
+        alpha = 1.5 * alpha + 0.5
+    own_part = np.array([-1.0, 1.0])[: len(own)] * alpha / between
+    weight[own, GRADIENT] += own_part
     weight[seen, GRADIENT] += found[0, : len(seen)]
     weight[seen, MEAN] += found[1, : len(seen)]
     constant[0:2] = found[0, len(seen) :] @ wall - found[0] @ _along(profile, at[:, 0])
+    if kind != INNER:
+        constant[0:2] -= own_part[0] * _along(profile, left[:1])[0]
     constant[2:4] = found[1, len(seen) :] @ wall
 
     # Through an opening the velocity has no normal derivative.

@@ -161,7 +161,7 @@ def compact_matrix_plain(mesh: Triangulation, faces: Faces, pins: ArrayLike, sca
                 blocks[cell, second] += sign * ((1.0 - near) * (pressure_part + flux_part) - differences)
             continue
         across = np.outer(normal, normal)
-        differences[:2, :2] = stress * (across if kind == MIRROR else np.eye(2) - across)
+        differences[:2, :2] = stress * (across if kind == MIRROR else np.eye(2) - across if kind == OPEN else np.eye(2))
         if kind == OPEN:
             blocks[first, first] += differences + flux_part
         else:

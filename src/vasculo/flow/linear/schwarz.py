@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self, TypeVar
 import numpy as np
 
 from vasculo.errors import InputError
-from vasculo.flow.linear.coarse import coarse_factor, interface_components, own_matrix, pressure_basis
+from vasculo.flow.linear.coarse import coarse_factor, driven_flow, interface_components, own_matrix, selection
 from vasculo.flow.linear.pardiso import library
 from vasculo.flow.linear.schwarz_blocks import LocalFactor, cell_pattern, cut_blocks, local_factor
 from vasculo.flow.linear.vectors import add_multiples
@@ -29,11 +29,11 @@ Result = TypeVar("Result")
 
 
 class Inside(NamedTuple):
-    """What is kept of a part: its cells off the interface, their factor, and what the components drive there."""
+    """What is kept of a part: its cells off the interface, their factor, and what coarse columns drive there."""
 
     cells: Ints
     factor: LocalFactor
-    components: Ints
+    columns: Ints
     basis: NDArray[np.float32]
     matrix: Floats
 
@@ -69,9 +69,9 @@ class SchwarzFactor:
     Notes
     -----
     Solves in three steps, each with what the ones before left of the right-hand side: inside all parts; a pressure for
-    every component of the interface, with the flow that it drives inside (GDSW, Dohrmann, Klawonn & Widlund 2008,
-    with pressures only); strips along the interface. In a narrow channel every disturbance but the mean pressure dies
-    within about a width, so the number of iterations does not grow with the number of parts.
+    every component of the interface, with the flow that it drives inside (GDSW, Dohrmann, Klawonn & Widlund 2008), and
+    velocities too where components are wide; strips along the interface. In a narrow channel every disturbance but the
+    mean pressure dies within about a width, so the number of iterations does not grow with the number of parts.
     """
 
     def __init__(self, blocks: sparse.bsr_array, part: NDArray[np.integer], overlap: int = 6) -> None:
@@ -102,20 +102,20 @@ class SchwarzFactor:
         self._held.close()
 
     @property
-    def components(self) -> int:
+    def coarse(self) -> int:
         """Size of the coarse space."""
-        return int(self._label.max(initial=-1)) + 1
+        return int(self._modes.max(initial=-1)) + 1
 
     @property
     def strip(self) -> float:
         """Share of the cells that belong to the strip along the interface."""
         inside = sum(len(part.cells) for part in self._insides)
-        return len(self._strip.cells) / (inside + len(self._interface)) if self.components else 0.0
+        return len(self._strip.cells) / (inside + len(self._interface)) if self.coarse else 0.0
 
     @property
     def bytes(self) -> int:
         """Bytes of the factors and of the basis."""
-        strips = [self._strip.factor.bytes] if self.components else []
+        strips = [self._strip.factor.bytes] if self.coarse else []
         return sum(strips) + sum(inside.factor.bytes + inside.basis.nbytes for inside in self._insides)
 
     def solve(self, right: Floats) -> Floats:
@@ -128,15 +128,15 @@ class SchwarzFactor:
 
         def drive(inside: Inside) -> None:
             values = found[inside.cells].ravel()
-            add_multiples(inside.basis, pressure[inside.components], values)
+            add_multiples(inside.basis, weights[inside.columns], values)
             found[inside.cells] = values.reshape(-1, 3)
 
         self._each(solve_inside, self._insides)
-        if self.components == 0:
+        if self.coarse == 0:
             return found.ravel()
-        missing = self._left_in_strip(given, found)[self._in_strip, 2]
-        pressure = self._coarse(np.bincount(self._label, missing).astype(np.float64))
-        found[self._interface, 2] = pressure[self._label]
+        missing = self._left_in_strip(given, found)[self._in_strip]
+        weights = self._solve_coarse(self._chosen.T @ missing.ravel())
+        found[self._interface] += (self._chosen @ weights).reshape(-1, 3)
         self._each(drive, self._insides)
         left = self._left_in_strip(given, found)
         found[self._strip.cells] += self._strip.factor.solve(left.ravel()).reshape(-1, 3)
@@ -156,28 +156,32 @@ class SchwarzFactor:
     def _set_up(self, held: ExitStack, matrix: sparse.bsr_array, part: Ints) -> None:
         """Factor all insides, each from its own rows alone, then what joins them."""
         pattern = cell_pattern(matrix)
-        label = interface_components(pattern.indptr, pattern.indices, part)
+        components = interface_components(pattern.indptr, pattern.indices, part)
+        label, modes = components.label, components.modes()
 
         def set_up_inside(cells: Ints) -> Inside:
             beside = np.unique(pattern[cells].indices)
             beside = beside[label[beside] >= 0]
-            components, which = np.unique(label[beside], return_inverse=True)
+            columns, which = np.unique(modes[beside], return_inverse=True)
+            none = int((columns < 0).any())  # unknowns without a column come first
+            chosen = selection(which.ravel() - none, len(columns) - none)
             factor = held.enter_context(local_factor(cut_blocks(matrix, cells, cells)))
-            basis = pressure_basis(factor.solve, cut_blocks(matrix, cells, beside).astype(np.float64).tocsr(), which)
-            outward = cut_blocks(matrix, beside, cells).astype(np.float64).tocsr()[2::3]
-            return Inside(cells, factor, components, basis, own_matrix(outward, which, basis))
+            basis = driven_flow(factor.solve, cut_blocks(matrix, cells, beside).astype(np.float64).tocsr(), chosen)
+            outward = cut_blocks(matrix, beside, cells).astype(np.float64).tocsr()
+            return Inside(cells, factor, columns[none:], basis, own_matrix(outward, chosen, basis))
 
         off = np.flatnonzero(label < 0).astype(np.int32)
         off = off[np.argsort(part[off], kind="stable")]
         groups = np.split(off, np.flatnonzero(np.diff(part[off])) + 1)
         self._insides = self._each(set_up_inside, [cells for cells in groups if len(cells)])
         self._interface = cells = np.flatnonzero(label >= 0).astype(np.int32)
-        self._label = label[cells]
+        self._modes = modes[cells]
         if len(cells) == 0:
             return
-        self._coarse = coarse_factor(
-            self.components, [inside.matrix for inside in self._insides],
-            [inside.components for inside in self._insides], self._label, cut_blocks(matrix, cells, cells),
+        self._chosen = selection(self._modes.ravel(), self.coarse)
+        self._solve_coarse = coarse_factor(
+            [inside.matrix for inside in self._insides], [inside.columns for inside in self._insides], self._chosen,
+            cut_blocks(matrix, cells, cells),
         )  # fmt: skip
         for _ in range(self._overlap):
             cells = np.unique(pattern[cells].indices)
