@@ -1,6 +1,6 @@
 """The two-level Schwarz solver against the number of pillars: iterations, size of the coarse space, memory, seconds.
 
-Run: python benchmarks/flow_schwarz.py [--pillars 64 256 1024 4096] [--edge 0.15] [--most 20000] [--scipy] [--threads 1]
+Run: python benchmarks/flow_schwarz.py [--pillars 64 256 1024 4096] [--edge 0.15] [--most 10000] [--scipy] [--threads 1]
 Dense Voronoi arrays, pressure from left to right, mirror lines above and below. Each solver of each size has a process
 of its own, after a small flow that compiles the kernels. Bytes a triangle are the peak of the process while it factors
 and solves, over what it had before: its matrix was there already. Seconds are those of the processor.
@@ -53,7 +53,7 @@ def main() -> None:
     parser.add_argument("--pillars", type=int, nargs="+", default=[64, 256, 1024, 4096])
     parser.add_argument("--solvers", nargs="+", default=list(SOLVERS), choices=SOLVERS)
     parser.add_argument("--edge", type=float, default=0.15, help="of the triangles, over the radius of a pillar")
-    parser.add_argument("--most", type=int, default=20_000, help="triangles of a part")
+    parser.add_argument("--most", type=int, default=10_000, help="triangles of a part")
     parser.add_argument("--overlap", type=int, default=6)
     parser.add_argument("--scipy", action="store_true", help="SuperLU for the parts, even if PARDISO is there")
     parser.add_argument("--threads", type=int, default=1)

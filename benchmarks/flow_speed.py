@@ -1,9 +1,9 @@
 """Seconds and memory of the first solution of a flow, part by part, against the number of triangles.
 
 Run: python benchmarks/flow_speed.py [--triangles 20000 100000 300000 1000000] [--solver auto]
-The array: round pillars on a square grid, 300 triangles each as in a dense plexus, 1.4 times as long as high, pressure
-from left to right, mirror lines above and below. Each size runs in a process of its own, after a small flow that compiles
-the kernels; seconds are those of the clock, memory is the peak of the process.
+The array: round pillars on a square grid, 300 triangles each as in a dense plexus, 1.4 times as long as high,
+pressure from left to right, mirror lines above and below. Each size runs in a process of its own, after a small flow
+that compiles the kernels; seconds are those of the clock, memory is the peak of the process.
 """
 
 from __future__ import annotations

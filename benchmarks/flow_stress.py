@@ -48,11 +48,13 @@ WIDTH, HEIGHT, GAP, EDGE = 4.4, 3.0, 0.05, 0.07
 JUMP = 6  # times finer patches
 MARK = 100  # lifts the tags of edges: to the mesher zero means none
 CONSTANTS = {
-    "SMOOTHING": (0.0, 0.3, 1.0, 1.5, 2.0, 4.0, 10.0),
-    "FADING": (0.0, 1.0, 1.5, 2.0),
-    "ALPHA": (0.5, 1.5, 2.0),
-    "RIM_ALPHA": (1.0, 2.0, 3.0),
-    "WALL_WEIGHT": (0.5, 1.0, 4.0),
+    "SMOOTHING": (0.3, 1.0, 2.0, 4.0, 10.0),
+    "FADING": (1.0, 1.5),
+    "ALPHA": (1.5,),
+    "RIM_ALPHA": (1.0, 2.0),
+    "INNER_SHARE": (-100.0, 0.3, 0.7),
+    "RIM_SHARE": (-100.0, 0.5, 1.0),
+    "WALL_WEIGHT": (1.0, 4.0),
     "FRONT": (0.0, 0.6),
 }
 

@@ -196,8 +196,8 @@ def test_without_the_coarse_space_they_would(monkeypatch):
 
 
 def test_wide_cuts_have_velocities_too(monkeypatch):
-    mesh = rectangle(3.0, 2.0, across=44, seed=2)
-    system, compact = problem(mesh, DROP)
+    mesh = rectangle(3.0, 2.0, across=60, seed=2)
+    system, compact = problem(mesh, {"top": Velocity(lambda x, _y: x * (3.0 - x))})
     part = parts(compact, 1200)
     with local_factor(compact) as whole:
         exact = iterations(system, whole).iterations
@@ -208,7 +208,7 @@ def test_wide_cuts_have_velocities_too(monkeypatch):
     with SchwarzFactor(compact, part) as factor:
         assert (factor._modes[:, :2] < 0).all()
         assert iterations(system, factor).iterations > 1.5 * taken
-    assert taken <= 1.5 * exact
+    assert taken <= 2 * exact
 
 
 def test_with_the_full_matrix_there_are_fewer():

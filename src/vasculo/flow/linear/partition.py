@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 END = 0.35  # share of a piece that is kept together at either end of it
 
 
-def partition(start: Ints, columns: Ints, most: int = 20_000) -> Ints:
+def partition(start: Ints, columns: Ints, most: int = 10_000) -> Ints:
     """Divide a graph of cells into connected parts.
 
     Parameters
