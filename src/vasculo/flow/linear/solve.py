@@ -55,7 +55,6 @@ class Solution(NamedTuple):
     analysis_seconds, factor_seconds, krylov_seconds : float
         By the clock: ordering and symbolic work, the numbers of the factor, the steps.
     factor_bytes : int
-        0 where it is not known, for "schwarz".
     why : str
         Why this solver, in one line.
     note : str
@@ -193,7 +192,7 @@ def _factor(name: str, matrix: sparse.bsr_array, mesh: Triangulation, memory: fl
         part = partition(matrix.indptr, matrix.indices)
         between = perf_counter()
         with SchwarzFactor(matrix, part) as parts:
-            yield _Factor(parts.solve, between - began, perf_counter() - between, 0)
+            yield _Factor(parts.solve, between - began, perf_counter() - between, parts.bytes)
         return
     make = ScipyFactor(matrix, mesh.centroids, memory) if name.startswith("splu") else BlockFactor(matrix, memory)
     del matrix
