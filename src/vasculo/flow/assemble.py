@@ -74,11 +74,6 @@ class System:
         """Fluxes of momentum over viscosity and mass over h, out of the first cell of each face; float64 (m, 3)."""
         return _fluxes(self.faces, self.smoothing, self.scale, self.tables.sums(unknowns)) + self.given
 
-    @property
-    def matrix(self) -> sparse.bsr_array:
-        """A in double precision."""
-        return self.blocks(np.float64)
-
     def apply(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Multiply: A times a vector, float64 (3 t,)."""
         fluxes = _fluxes(self.faces, self.smoothing, self.scale, self.tables.sums(unknowns))
