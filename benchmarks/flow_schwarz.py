@@ -89,7 +89,7 @@ def problem(pillars: int, edge: float) -> tuple[System, sparse.bsr_array]:
     mesh = generate_mesh(voronoi_plexus(pillars), edge)
     faces = build_faces(mesh, SIDES)
     system = assemble(mesh, faces, 1.0, np.zeros((len(mesh.triangles), 2)))
-    return system, compact_matrix(mesh, faces, system.pins, system.scale)
+    return system, compact_matrix(mesh, system)
 
 
 def measure(system: System, matrix: sparse.bsr_array, solver: str, most: int, overlap: int) -> list[str]:

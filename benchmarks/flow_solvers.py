@@ -72,14 +72,14 @@ def row(chosen: argparse.Namespace) -> None:
     clock = perf_counter if chosen.threads else process_time
     small = generate_mesh(array(300), 0.15)
     around = build_faces(small, SIDES)
-    solve(assemble(small, around, 1.0, np.zeros((len(small.triangles), 2))), small, around, solver=solver)
+    solve(assemble(small, around, 1.0, np.zeros((len(small.triangles), 2))), small, solver=solver)
     domain = array(wanted) if name == "dense" else open_array()
     mesh = generate_mesh(domain, np.sqrt(domain.area / wanted / EQUILATERAL))
     faces, cells = build_faces(mesh, SIDES), len(mesh.triangles)
     system = assemble(mesh, faces, 1.0, np.zeros((cells, 2)))
     began = clock()
     try:
-        found = solve(system, mesh, faces, solver=solver, tolerance=chosen.tolerance, memory=1e9 * chosen.memory)
+        found = solve(system, mesh, solver=solver, tolerance=chosen.tolerance, memory=1e9 * chosen.memory)
     except (InputError, ComputationError) as error:
         print(f"{name:>14}{cells:14d}{solver:>14}  {error}", flush=True)
         return

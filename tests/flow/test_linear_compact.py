@@ -21,7 +21,7 @@ CASES = {
 def compact(case, mesh):
     faces = build_faces(mesh, CASES[case])
     system = assemble(mesh, faces, 0.7, np.zeros((len(mesh.triangles), 2)))
-    return system, faces, compact_matrix(mesh, faces, system.pins, system.scale)
+    return system, faces, compact_matrix(mesh, system)
 
 
 @pytest.mark.parametrize("case", list(CASES))

@@ -48,7 +48,7 @@ def problem(mesh, conditions):
     """The system and its compact matrix."""
     faces = build_faces(mesh, conditions)
     system = assemble(mesh, faces, 1.0, np.tile([0.1, 0.0], (len(mesh.triangles), 1)))
-    return system, compact_matrix(mesh, faces, system.pins, system.scale)
+    return system, compact_matrix(mesh, system)
 
 
 def parts(matrix, most):

@@ -43,12 +43,12 @@ def problem(case, mesh=None):
     mesh = cylinder_in_square(0.1, 32) if mesh is None else mesh
     faces = build_faces(mesh, CASES[case])
     force = np.tile([0.1, 0.0], (len(mesh.triangles), 1)) + faces.gradient
-    return assemble(mesh, faces, 1.0, force), mesh, faces
+    return assemble(mesh, faces, 1.0, force), mesh
 
 
-def imbalance(system, faces, unknowns):
+def imbalance(system, unknowns):
     """Net flux through the boundary, and the worst balance of a cell, over the flow that passes."""
-    flux = system.fluxes(unknowns)[:, 2]
+    faces, flux = system.faces, system.fluxes(unknowns)[:, 2]
     cells = np.bincount(faces.cells[:, 0], flux, system.cells)
     cells -= np.bincount(faces.cells[: faces.inner, 1], flux[: faces.inner], system.cells)
     rim = flux[faces.inner :]
@@ -57,15 +57,15 @@ def imbalance(system, faces, unknowns):
 
 @pytest.mark.parametrize("case", list(CASES))
 def test_residual_iterations_and_mass(solver, case):
-    system, mesh, faces = problem(case)
-    found = solve(system, mesh, faces, solver=solver)
+    system, mesh = problem(case)
+    found = solve(system, mesh, solver=solver)
     compact = solver in choose.COMPACT
     left = np.linalg.norm(system.right - system.apply(found.unknowns)) / np.linalg.norm(system.right)
     assert found.solver == solver
     assert left <= (1e-11 if compact else 1e-12)
     assert found.residual == pytest.approx(left, rel=0.1, abs=1e-15)
     assert found.iterations <= (25 if compact else 4)
-    assert imbalance(system, faces, found.unknowns) <= (1e-9 if compact else 1e-12)
+    assert imbalance(system, found.unknowns) <= (1e-9 if compact else 1e-12)
     assert found.factor_bytes > 100 * system.cells
     assert solver in found.why
     assert "asked for" in found.why
@@ -74,9 +74,9 @@ def test_residual_iterations_and_mass(solver, case):
 
 @pytest.mark.parametrize("case", list(CASES))
 def test_all_solvers_agree(case):
-    system, mesh, faces = problem(case, cylinder_in_square(0.3, 64))
+    system, mesh = problem(case, cylinder_in_square(0.3, 64))
     names = [name for name in choose.LEAST if name.startswith("splu") or pardiso.library() is not None]
-    first, *others = (solve(system, mesh, faces, solver=name).unknowns for name in names)
+    first, *others = (solve(system, mesh, solver=name).unknowns for name in names)
     for other in others:
         np.testing.assert_allclose(other, first, atol=1e-9 * np.abs(first).max())
 
@@ -94,8 +94,8 @@ def test_compact_iterations_do_not_grow_with_the_array():
 
 
 def test_slivers_are_solved(solver):
-    system, mesh, faces = problem("open", scattered(12, seed=4))
-    assert solve(system, mesh, faces, solver=solver).residual <= 1e-11
+    system, mesh = problem("open", scattered(12, seed=4))
+    assert solve(system, mesh, solver=solver).residual <= 1e-11
 
 
 def test_the_same_numbers_again_whatever_the_threads(solver):
@@ -118,25 +118,25 @@ def test_a_looser_tolerance_takes_fewer_steps(solver):
 
 
 def test_a_right_hand_side_of_zeros(solver):
-    system, mesh, faces = problem("open")
-    found = solve(replace(system, right=np.zeros_like(system.right)), mesh, faces, solver=solver)
+    system, mesh = problem("open")
+    found = solve(replace(system, right=np.zeros_like(system.right)), mesh, solver=solver)
     assert not found.unknowns.any()
     assert (found.residual, found.iterations, found.solver) == (0.0, 0, "none")
 
 
 def test_a_right_hand_side_that_is_not_finite_is_refused(solver):
-    system, mesh, faces = problem("open")
+    system, mesh = problem("open")
     right = system.right.copy()
     right[3] = np.nan
     with pytest.raises(ComputationError, match="1 of the 1536 right-hand sides"):
-        solve(replace(system, right=right), mesh, faces, solver=solver)
+        solve(replace(system, right=right), mesh, solver=solver)
 
 
 @pytest.mark.parametrize("name", ["direct", "splu"])
 def test_a_singular_system_is_refused(name, monkeypatch):
     if name == "direct" and pardiso.library() is None:
         pytest.skip("the extra `fast` is not installed")
-    system, mesh, faces = problem("open")
+    system, mesh = problem("open")
     broken = system.blocks(np.float64)
     broken.data[broken.indptr[7] : broken.indptr[8]] = 0.0
     monkeypatch.setattr(type(system), "blocks", lambda _self: broken.astype(np.float32))
@@ -144,7 +144,7 @@ def test_a_singular_system_is_refused(name, monkeypatch):
     right = system.right.copy()
     right[21:24] = 1.0
     with pytest.raises(ComputationError, match="unknowns") as caught:
-        solve(replace(system, right=right), mesh, faces, solver=name)
+        solve(replace(system, right=right), mesh, solver=name)
     assert "\n" not in str(caught.value)
 
 
@@ -173,8 +173,8 @@ def test_bad_input_is_refused_before_time_is_spent(given, words, monkeypatch):
 
 @with_mkl
 def test_automatic_takes_the_compact_matrix_where_memory_is_short():
-    system, mesh, faces = given = problem("open", cylinder_in_square(0.1, 96))
-    with pardiso.BlockFactor(compact_matrix(mesh, faces, system.pins, system.scale)) as factor:
+    system, mesh = given = problem("open", cylinder_in_square(0.1, 96))
+    with pardiso.BlockFactor(compact_matrix(mesh, system)) as factor:
         room = factor.needed + (choose.VECTORS["compact"] + 10) * system.cells
     assert solve(*given).solver == "direct"
     with pytest.raises(InputError, match=r"needs .* GB of memory and .* GB are free: use fewer triangles"):
@@ -187,7 +187,7 @@ def test_automatic_takes_the_compact_matrix_where_memory_is_short():
 
 @with_mkl
 def test_the_analysis_refuses_factors_that_are_too_large():
-    system, _, _ = problem("open")
+    system, _ = problem("open")
     with pardiso.BlockFactor(system.blocks()) as factor:
         needed = factor.needed
     with pardiso.BlockFactor(system.blocks(), needed):
@@ -264,7 +264,7 @@ def test_library_errors_are_raised():
 
 @with_mkl
 def test_factor_is_single_precision_only():
-    system, _, _ = problem("open")
+    system, _ = problem("open")
     with pardiso.BlockFactor(system.blocks()) as factor:
         rough = factor.solve(system.right)
         assert factor.moved_pivots == 0

@@ -92,7 +92,7 @@ def solve_stokes(
     given = cell_forces(mesh, force)
     parts = check_problem(mesh, faces, given, pockets=pockets)
     system = assemble(mesh, faces, viscosity, given + faces.gradient, order, parts)
-    solution = solve(system, mesh, faces, solver=solver, tolerance=tolerance, memory=memory)
+    solution = solve(system, mesh, solver=solver, tolerance=tolerance, memory=memory)
     return _flow(mesh, faces, system, viscosity, solution, {
         "unknowns": len(system.right),
         "solver": solution.solver,

@@ -9,13 +9,14 @@ from numba import njit
 from scipy import sparse
 
 from vasculo.flow.assemble import smoothing_factor
-from vasculo.flow.balance import carried, list_cell_faces
+from vasculo.flow.balance import carried
 from vasculo.flow.faces import INNER, MIRROR, OPEN
 from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from vasculo.flow.assemble import System
     from vasculo.flow.faces import Faces
     from vasculo.mesh.triangulation import Triangulation
 
@@ -105,38 +106,31 @@ def fill_compact(
     return 0
 
 
-def compact_matrix(mesh: Triangulation, faces: Faces, pins: ArrayLike, scale: float) -> sparse.bsr_array:
+def compact_matrix(mesh: Triangulation, system: System) -> sparse.bsr_array:
     """Compact matrix of a flow, in the unknowns and the scaling of its `System`.
 
     Parameters
     ----------
     mesh : Triangulation
-    faces : Faces
-    pins : array_like of int, (k,)
-        Cells whose continuity is replaced by p = 0, see `System.pins`.
-    scale : float
-        h, see `System.scale`.
+    system : System
 
     Returns
     -------
     bsr_array (3 t, 3 t), float32, 3 x 3 blocks, sorted int32 indices
         Nine entries a row. As a preconditioner it is as good for a thousand pillars as for ten.
     """
-    cells = len(mesh.triangles)
-    cell_faces = np.empty((cells, 3), dtype=np.int32)
-    list_cell_faces(faces.cells, cell_faces)
-    smoothing = faces.length / scale**2 * smoothing_factor(mesh, faces)
+    cells, faces = system.cells, system.faces
     columns, data = np.empty((cells, 4), dtype=np.int32), np.empty((cells, 4, 3, 3), dtype=np.float32)
     number = np.empty(cells, dtype=np.int32)
     run_team(
-        fill_compact, cells // FEW, cell_faces, faces.cells, faces.kind, faces.length, faces.normal, faces.distance,
-        smoothing, mesh.areas, scale, columns, data, number,
+        fill_compact, cells // FEW, system.cell_faces, faces.cells, faces.kind, faces.length, faces.normal,
+        faces.distance, system.smoothing, mesh.areas, system.scale, columns, data, number,
     )  # fmt: skip
     kept = np.arange(4) < number[:, None]
     start = np.zeros(cells + 1, dtype=np.int32)
     np.cumsum(number, out=start[1:])
     columns, data = columns[kept], data[kept]
-    for cell in np.asarray(pins):
+    for cell in system.pins:
         row = slice(start[cell], start[cell + 1])
         data[row, 2, :] = 0.0
         data[row, 2, 2] = columns[row] == cell

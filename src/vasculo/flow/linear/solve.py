@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from scipy import sparse
 
     from vasculo.flow.assemble import System
-    from vasculo.flow.faces import Faces
     from vasculo.mesh.triangulation import Triangulation
 
 GOAL = 1e-13  # relative residual with a factor of A itself
@@ -76,7 +75,6 @@ class Solution(NamedTuple):
 def solve(
     system: System,
     mesh: Triangulation,
-    faces: Faces,
     *,
     solver: str = "auto",
     tolerance: float | None = None,
@@ -88,7 +86,6 @@ def solve(
     ----------
     system : System
     mesh : Triangulation
-    faces : Faces
     solver : str
         "direct": PARDISO on A. "compact": PARDISO on the compact matrix, for less memory. "splu", "splu-compact": the
         same with SciPy's SuperLU. "schwarz": parts of the compact matrix, see `SchwarzFactor`. "auto": the quickest of
@@ -120,7 +117,7 @@ def solve(
     failures: list[ComputationError | InputError] = []
     for name in names:
         try:
-            found = _solve(system, mesh, faces, name, tolerance, left_for_factors(name, cells, allowed))
+            found = _solve(system, mesh, name, tolerance, left_for_factors(name, cells, allowed))
         except TooLargeError as error:
             failures.append(error)
         except ComputationError as error:
@@ -143,13 +140,11 @@ def _check(tolerance: float | None, memory: float | None) -> None:
         raise InputError(f"memory is {memory!r}: give bytes, more than 0")
 
 
-def _solve(
-    system: System, mesh: Triangulation, faces: Faces, name: str, tolerance: float | None, memory: float | None
-) -> Solution:
+def _solve(system: System, mesh: Triangulation, name: str, tolerance: float | None, memory: float | None) -> Solution:
     """Solve by one of the solvers."""
     near = name in COMPACT
     inverse = inverse_diagonal(system.blocks()) if near else None
-    matrix = compact_matrix(mesh, faces, system.pins, system.scale) if near else system.blocks()
+    matrix = compact_matrix(mesh, system) if near else system.blocks()
     with _factor(name, matrix, mesh, memory) as factor:
         del matrix
 
