@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vasculo.mesh.repair.repair import repair_mesh
     from vasculo.mesh.triangulation import Triangulation
     from vasculo.pillars.angiogenesis import Angiogenesis, remodel
+    from vasculo.pillars.responses import cell_response
     from vasculo.plexus.extract import extract_domain
     from vasculo.plexus.image import ImageExtraction, domain_from_image
     from vasculo.plexus.parameters import Extraction
@@ -46,6 +47,7 @@ _HOMES = {
     "Vasculogenesis": "tissue.vasculogenesis",
     "Velocity": "flow.boundary",
     "Wall": "flow.boundary",
+    "cell_response": "pillars.responses",
     "domain_from_image": "plexus.image",
     "extract_domain": "plexus.extract",
     "generate_mesh": "mesh.generate",
@@ -74,6 +76,7 @@ __all__ = [
     "Vasculogenesis",
     "Velocity",
     "Wall",
+    "cell_response",
     "domain_from_image",
     "extract_domain",
     "generate_mesh",

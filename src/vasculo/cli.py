@@ -68,7 +68,15 @@ def run(
     assignments: Annotated[
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Replace a value, as angiogenesis.steps=10.")
     ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with a run that was interrupted.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a run that was interrupted, or for more steps.")
+    ] = False,
+    branch: Annotated[
+        Path | None, typer.Option("--branch", metavar="RUN", help="Branch off from a run: go on as --set says, in DIR.")
+    ] = None,
+    step: Annotated[
+        int | None, typer.Option("--step", metavar="N", help="Last step that a branch keeps; the last one by default.")
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Run a study: every stage, then figures and a report."""
@@ -79,7 +87,7 @@ def run(
 
     overrides = dict(parse_assignment(text) for text in assignments or ())
     with Bars(quiet=quiet) as bars:
-        done = execute(study, out, overrides, resume=resume, progress=bars, label="--set")
+        done = execute(study, out, overrides, resume=resume, branch=branch, step=step, progress=bars, label="--set")
     if not quiet:
         show_end(done)
 
@@ -144,18 +152,22 @@ def measure(
         Path | None,
         typer.Option("--tubules", metavar="FILE", help="Write the flow through the passages here, as CSV."),
     ] = None,
+    events: Annotated[
+        Path | None, typer.Option("--events", metavar="FILE", help="Write what happened to the pillars here, as CSV.")
+    ] = None,
 ) -> None:
     """Print the numbers of a run."""
     from vasculo.store.read import open_run  # noqa: PLC0415
-    from vasculo.study.show import passages_text, show_numbers, table_text  # noqa: PLC0415
+    from vasculo.study.show import all_events, passages_text, show_numbers, table_text  # noqa: PLC0415
     from vasculo.study.tubules import tubules_text  # noqa: PLC0415
 
     found = open_run(run)
-    for file in (csv, passages, tubules):
+    for file in (csv, passages, tubules, events):
         if file is not None and (file.is_dir() or not file.parent.is_dir()):
             raise InputError(f"{file} cannot be written: name a file in a folder that is there")
     show_numbers(found)
-    for file, text_of in ((csv, table_text), (passages, passages_text), (tubules, tubules_text)):
+    writers = ((csv, table_text), (passages, passages_text), (tubules, tubules_text), (events, all_events))
+    for file, text_of in writers:
         if file is not None:
             from vasculo.store.table import write_whole  # noqa: PLC0415
 

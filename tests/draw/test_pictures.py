@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from vasculo.draw.canvas import fragment, new_figure, png
-from vasculo.draw.figures import draw_all, growth_stages, iterations, pictures
+from vasculo.draw.figures import draw_all, pictures
 from vasculo.draw.flow import draw_speed, fastest_point, mesh_box, node_speed, speed_scale
+from vasculo.draw.frames import iterations
+from vasculo.draw.growth import growth_stages
 from vasculo.draw.pillars import draw_shear, shear_scale
 from vasculo.draw.single import draw_movie, draw_one
 from vasculo.draw.springs import GREYS, WIDTHS, draw_springs, force_scale, zoom
@@ -81,14 +83,22 @@ def test_the_shear_on_the_outline_is_what_the_record_holds(disk_run):
 
 
 def test_figures_answer_the_paper(disk_run, tissue_run):
-    assert [p.name for p in pictures(disk_run)] == ["fig3-flow", "fig4-disk", "wall-shear", "curves-angiogenesis"]
+    assert [p.name for p in pictures(disk_run)] == [
+        "fig3-flow",
+        "fig4-disk",
+        "wall-shear",
+        "shear-shares",
+        "curves-angiogenesis",
+    ]
     assert [p.name for p in pictures(tissue_run)] == [
         "fig1-springs",
         "fig2-plexus",
         "extraction",
         "fig3-flow",
         "fig5-chains",
+        "corridors",
         "wall-shear",
+        "shear-shares",
         "curves-vasculogenesis",
         "curves-angiogenesis",
     ]
@@ -117,7 +127,7 @@ def test_the_same_figure_gives_the_same_bytes(disk_run):
     assert png(draw(disk_run)) == png(draw(disk_run))
 
 
-@pytest.mark.parametrize("what", ["mesh", "flow", "shear", "pillars"])
+@pytest.mark.parametrize("what", ["mesh", "flow", "shear", "pillars", "chains"])
 def test_one_picture_of_one_step(disk_run, what):
     file = draw_one(disk_run, what, 1)
     assert file == disk_run.folder / "figures" / f"{what}-0001.png"

@@ -8,7 +8,7 @@ from vasculo.draw import crowd
 from vasculo.draw import springs as module
 from vasculo.draw.canvas import RESOLUTION, new_figure
 from vasculo.draw.crowd import Crowd
-from vasculo.draw.figures import part_share
+from vasculo.draw.growth import part_share
 from vasculo.draw.seam import images
 from vasculo.draw.springs import draw_springs, sharpness, whole_tissue, zoom
 from vasculo.store.read import Springs

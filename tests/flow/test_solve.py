@@ -256,10 +256,10 @@ def test_without_the_package_there_is_no_library(monkeypatch):
 @with_mkl
 def test_library_errors_are_raised():
     matrix = sparse.bsr_array(np.eye(6), blocksize=(3, 3))
-    factor = pardiso.BlockFactor(matrix)
-    nothing = np.zeros(6, dtype=np.float32)
-    with factor, pytest.raises(ComputationError, match="PARDISO stopped with error"):
-        factor._call(77, nothing, nothing)
+    analysis = pardiso.Analysis(matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32))
+    with pytest.raises(ComputationError, match="PARDISO stopped with error"):
+        analysis.call(77)
+    analysis.close()
 
 
 @with_mkl

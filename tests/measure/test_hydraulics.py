@@ -171,3 +171,46 @@ def test_faults_of_the_tensor():
         permeability_tensor(cylinder_in_square(0.1, 24), ("left", "right"), ("left", "top"))
     with pytest.raises(InputError, match="no side is called 'up'"):
         permeability_tensor(cylinder_in_square(0.1, 24), ("left", "right"), ("bottom", "up"))
+
+
+def test_resistance_is_pressure_over_flow(disk):
+    domain, flow = disk
+    found = measure.resistance(flow)
+    assert found == pytest.approx(2.0 / flow.flow_rate("right"), rel=1e-12)
+    _, y0, x1, y1 = domain.bounds
+    assert measure.permeability(domain, flow) == pytest.approx(3.0 * x1 / ((y1 - y0) * found), rel=1e-12)
+    assert measure.resistance(flow, "right", "left") == pytest.approx(found)
+    double = solved(domain, viscosity=6.0)
+    assert measure.resistance(double) == pytest.approx(2.0 * found, rel=1e-6)
+
+
+def test_resistance_of_a_blocked_domain_is_infinite():
+    two = [generate_mesh(Domain.rectangle(2.0, 1.0), 0.4) for _ in range(2)]
+    points = np.concatenate((two[0].points, two[1].points + np.array([3.0, 0.0])))
+    count = len(two[0].points)
+    left, right = (np.array(mesh.side_names)[-1 - mesh.boundary_tags] for mesh in two)
+    left[left == "right"], right[right == "left"] = "stop", "stop"
+    names = ("bottom", "left", "right", "stop", "top")
+    tags = np.array([-1 - names.index(name) for name in (*left, *right)])
+    edges = np.concatenate((two[0].boundary_edges, two[1].boundary_edges + count))
+    mesh = Triangulation(points, np.concatenate((two[0].triangles, two[1].triangles + count)), edges, tags, names)
+    flow = solve_stokes(mesh, {"left": Pressure(1.0), "right": Pressure(0.0)})
+    domain = Domain.rectangle(5.0, 1.0)
+    assert measure.resistance(flow) == np.inf
+    assert measure.permeability(domain, flow) == 0.0
+    with pytest.raises(InputError, match="nothing flows"):
+        measure.corridors(domain, flow)
+
+
+def test_the_direction_of_the_mean_flow():
+    domain = Domain.rectangle(4.0, 2.0)
+    assert measure.flow_direction(domain) == 0.0
+    assert measure.flow_direction(domain, "right", "left") == 180.0
+    assert measure.flow_direction(domain, "bottom", "top") == 90.0
+    assert measure.flow_direction(domain, "left", "top") == pytest.approx(np.degrees(np.arctan2(1.0, 2.0)))
+    split = Domain([(0, 0), (4, 0), (4, 2), (0, 2), (0, 0.5)], (), ("down", "out", "up", "in", "in"))
+    assert measure.flow_direction(split, "in", "out") == pytest.approx(0.0)
+    with pytest.raises(InputError, match="no side is called 'right'"):
+        measure.flow_direction(split)
+    with pytest.raises(InputError, match="same middle"):
+        measure.flow_direction(domain, "left", "left")

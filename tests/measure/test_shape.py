@@ -2,10 +2,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.measure.shapes import blob
 
 from vasculo import measure
 from vasculo.errors import InputError
 from vasculo.geometry.domain import Domain
+from vasculo.geometry.outline import centroid, second_moments
 
 
 def ellipse(long, short, degrees, centre=(0.0, 0.0), nodes=400):
@@ -62,6 +64,19 @@ def test_gaps_and_columns():
     assert all(column.shape == (3,) for column in columns.values())
     np.testing.assert_allclose(columns["centroid_x"], [2.0, 5.0, 9.0])
     np.testing.assert_allclose(table.aspect_ratio, 1.0)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10_000), shift=st.floats(-1e4, 1e4))
+def test_axes_of_many_outlines_are_those_of_each(seed, shift):
+    shapes = [blob(seed + k) + np.array([shift + 6.0 * k, shift]) for k in range(3)]
+    low, high = (np.array([shift - 5.0, shift - 5.0]), np.array([shift + 20.0, shift + 5.0]))
+    domain = Domain([low, (high[0], low[1]), high, (low[0], high[1])], shapes, ("a", "b", "c", "d"))
+    table = measure.pillars(domain)
+    for k, outline in enumerate(shapes):
+        small, large = np.linalg.eigvalsh(second_moments(outline))
+        assert table.aspect_ratio[k] == pytest.approx(np.sqrt(large / small), rel=1e-8)
+        np.testing.assert_allclose(table.centroid[k], centroid(outline), rtol=1e-12, atol=1e-9)
 
 
 def test_no_order_in_a_star():

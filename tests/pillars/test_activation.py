@@ -3,7 +3,14 @@ import pytest
 from tests.pillars.shapes import disk, made_up_flow
 
 from vasculo.errors import ComputationError
-from vasculo.pillars.activation import activation, node_shear, node_traction, pillar_means, wall_sides
+from vasculo.pillars.activation import (
+    activation,
+    node_shear,
+    node_traction,
+    pillar_means,
+    rolled,
+    wall_sides,
+)
 from vasculo.pillars.cell import node_lengths, stack
 
 
@@ -92,6 +99,55 @@ def test_a_side_without_wall_edge_is_reported():
     flow.wall_shear, flow.wall_traction = flow.wall_shear[1:], flow.wall_traction[1:]
     with pytest.raises(ComputationError, match=r"no edge on side \d+ of pillar 0"):
         node_shear(flow, points, starts)
+
+
+def test_sealed_sides_feel_nothing_and_are_not_missed():
+    outline = disk(20)
+    points, starts = stack([outline])
+    flow = made_up_flow([outline], lambda x, _: 0 * x + 2.0, 1)
+    free = np.ones(len(flow.wall_edges), dtype=bool)
+    free[:3] = False  # edges run clockwise from the last side
+    for name in ("wall_edges", "wall_pillar", "wall_shear", "wall_traction"):
+        setattr(flow, name, getattr(flow, name)[free])
+    sealed = np.zeros(20, dtype=bool)
+    sealed[-4:-1] = True
+    tau = node_shear(flow, points, starts, 0, sealed)
+    np.testing.assert_allclose(tau[:16], 2.0)
+    np.testing.assert_allclose(tau[16:], [1.0, 0.0, 0.0, 1.0])
+    with pytest.raises(ComputationError, match="no edge on side 18"):
+        node_shear(flow, points, starts, 0, np.roll(sealed, -1) & sealed)
+
+
+def test_smoothing_keeps_the_mean_and_flattens():
+    outline = disk(40)
+    points, starts = stack([outline])
+    flow = made_up_flow([outline], lambda x, _: 2.0 + x)
+    rough, fine, flat = (node_shear(flow, points, starts, passes) for passes in (0, 1, 10))
+    assert rough.std() > fine.std() > flat.std()
+    np.testing.assert_allclose([v.mean() for v in (fine, flat)], rough.mean())
+
+
+def test_a_law_is_applied_membrane_by_membrane():
+    outlines = [disk(24), disk(30, 1.0, 4.0)]
+    points, starts = stack(outlines)
+    shear = np.concatenate((np.linspace(1, 2, 24), np.linspace(10, 30, 30)))
+    means = pillar_means(shear, points, starts)
+    signs = activation(shear, points, starts, "sign")
+    np.testing.assert_array_equal(signs[:24], np.sign(shear[:24] - means[0]))
+    np.testing.assert_array_equal(signs[24:], np.sign(shear[24:] - means[1]))
+    assert np.abs(activation(shear, points, starts, "linear", 0.1)).max() == 0.1
+
+
+def test_rolling_moves_values_along_their_own_membrane_and_repeats():
+    starts = np.array([0, 20, 50], dtype=np.int32)
+    values = np.random.default_rng(1).random(50)
+    once, again, later = rolled(values, starts, 3, 7), rolled(values, starts, 3, 7), rolled(values, starts, 3, 8)
+    np.testing.assert_array_equal(once, again)
+    assert not np.array_equal(once, later)
+    for a, b in ((0, 20), (20, 50)):
+        turns = [np.roll(values[a:b], k) for k in range(b - a)]
+        assert any(np.array_equal(once[a:b], turn) for turn in turns)
+        assert not np.array_equal(once[a:b], values[a:b])
 
 
 def test_means_weigh_by_length():

@@ -45,17 +45,9 @@ def test_sixteen_pillars_align_and_merge_into_chains_along_the_flow():
 
 
 @pytest.mark.slow
-def test_activation_without_information_makes_no_chains(monkeypatch):
-    rng = np.random.default_rng(5)
-    sensed = angiogenesis.activation
-
-    def rolled(shear, points, starts):
-        parts = np.split(sensed(shear, points, starts), starts[1:-1])
-        return np.concatenate([np.roll(part, rng.integers(len(part))) for part in parts])
-
-    monkeypatch.setattr(angiogenesis, "activation", rolled)
+def test_activation_without_information_makes_no_chains():
     start = block()
-    final, steps = record(start, Angiogenesis(steps=20))
+    final, steps = record(start, Angiogenesis(steps=20, sensing="rolled", roll_seed=5))
     assert len(final.pillars) == 16
     assert abs(order(final) - order(start)) < 0.3
     change = np.mean([shape(p)[0] for p in final.pillars]) - np.mean([shape(p)[0] for p in start.pillars])
@@ -75,7 +67,7 @@ def test_hanging_pillars_are_only_pushed_aside():
     gaps = pillar_gaps(final.pillars) / pillar_gaps(start.pillars)
     assert abs(gaps.mean() - 1) < 0.05
     ratios = np.array([[shape(p)[0] for p in domain.pillars] for domain in (start, final)])
-    assert ratios[1].mean() == pytest.approx(ratios[0].mean(), rel=0.08)  # "somewhat changing shape"
+    assert ratios[1].mean() == pytest.approx(ratios[0].mean(), rel=0.05)  # "somewhat changing shape"
     assert abs(order(final) - order(start)) < 0.25
     assert steps[-1].displacement < 0.3 * steps[1].displacement  # it settles
     assert all((a == 0.0).all() for a in steps[-1].activation)
@@ -99,7 +91,14 @@ def test_partners_in_a_row_merge_and_the_record_is_whole():
     np.testing.assert_allclose(steps[-1].state.rest_areas, 2 * steps[0].state.rest_areas[[0, 2]])
 
 
-@pytest.mark.parametrize("parameters", [Angiogenesis(steps=6), Angiogenesis.hanging(steps=6)])
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        Angiogenesis(steps=6),
+        Angiogenesis.hanging(steps=6),
+        Angiogenesis(steps=6, filament_memory=0.5, matrix="elastic", sensing="rolled", roll_seed=3),
+    ],
+)
 def test_going_on_from_a_state_gives_the_same_bits(parameters):
     whole, steps = record(four_in_two_rows(), parameters)
     arrays = {name: value.copy() for name, value in steps[3].state.arrays().items()}
@@ -138,7 +137,7 @@ def test_no_slip_walls_slow_the_flow():
 
 def test_a_box_without_inlet_is_refused():
     domain = Domain([(0, 0), (8, 0), (8, 5), (0, 5)], [disk(30, 1.0, 4, 2.5)], ("a", "b", "c", "d"))
-    with pytest.raises(InputError, match="needs a side 'left', the domain has a, b, c, d"):
+    with pytest.raises(InputError, match="inlet = 'left' is no side of the domain: it has a, b, c, d"):
         record(domain, Angiogenesis(steps=1))
 
 
@@ -160,10 +159,10 @@ def test_a_step_that_fails_names_itself_after_the_steps_before_it(monkeypatch):
 def test_a_flow_that_fails_in_a_later_step_names_the_step(monkeypatch):
     sense = angiogenesis.sense
 
-    def fails_in_step_one(domain, state, parameters):
+    def fails_in_step_one(domain, state, parameters, *tools):
         if state.step == 1:
             raise InputError("no mesh")
-        return sense(domain, state, parameters)
+        return sense(domain, state, parameters, *tools)
 
     monkeypatch.setattr(angiogenesis, "sense", fails_in_step_one)
     with pytest.raises(ComputationError, match=r"^remodelling step 1: no mesh$"):

@@ -2,19 +2,25 @@ import numpy as np
 import pytest
 from tests.pillars.shapes import disk
 
-from vasculo.pillars.cell import filaments, filaments_plain, node_lengths, ring, stack
+from vasculo.pillars.cell import filament_pairs, filaments, filaments_plain, node_lengths, ring, stack
 from vasculo.pillars.relax import Network
 from vasculo.pillars.relax_plain import forces_plain
 
 
 def filament_network(points, starts):
     n = len(points)
-    rest, stiffness, sums = filaments(points, starts, np.zeros(n), 0.08, 10.0, 100.0)
-    none = np.zeros((0, 2), dtype=np.int32)
-    long = np.full(n, 1.0)
-    pinned = np.zeros(n, dtype=bool)
     return Network(
-        starts, starts, rest, stiffness, sums, long, none, np.zeros(0), np.ones(1), 0.0, 0.0, np.zeros((n, 2)), pinned
+        starts=starts,
+        filaments=filaments(points, points, starts, np.zeros(n), 0.08, 10.0, 100.0),
+        membrane_rest=np.ones(n),
+        membrane_ratio=0.0,
+        springs=np.zeros((0, 2), dtype=np.int32),
+        spring_rest=np.zeros(0),
+        rest_areas=np.ones(1),
+        area_stiffness=0.0,
+        bending=0.0,
+        loads=np.zeros((n, 2)),
+        pinned=np.zeros(n, dtype=bool),
     )
 
 
@@ -23,8 +29,6 @@ def filament_stress(nodes, strain):
     points, starts = stack([disk(nodes)])
     network = filament_network(points, starts)
     moved = points + points @ strain.T
-    rest = np.linalg.norm(np.roll(moved, -1, axis=0) - moved, axis=1)  # a membrane without tension
-    network = Network(*[rest if name == "membrane_rest" else getattr(network, name) for name in network.__slots__])
     force = forces_plain(moved, network)
     return -(force[:, :, None] * moved[:, None, :]).sum(axis=0) / np.pi
 
@@ -49,27 +53,37 @@ def test_modulus_is_isotropic(angle):
 
 def test_sixteen_nodes_have_ten_springs_worth_each():
     points, starts = stack([disk(16)])
-    stiffness = filaments(points, starts, np.zeros(16), 0.08, 10.0, 3.5)[1]
+    made = filaments(points, points, starts, np.zeros(16), 0.08, 10.0, 3.5)
+    stiffness = filament_pairs(starts, made)[2]
     assert len(stiffness) == 16 * 15 // 2
     # the sides of the 16-gon are chords, a little shorter than the arc
     np.testing.assert_allclose(stiffness, 10.0, rtol=0.013)
 
 
-def test_filaments_match_plain_twin():
+@pytest.mark.parametrize("reach", [0.3, 2.5, np.inf])
+def test_filaments_match_plain_twin(reach):
     points, starts = stack([disk(20), disk(33, 2.0, 4.0, 1.0, 1.4), disk(16, 0.5, 9.0)])
+    reference = points * (1.1, 0.95)
     activation = np.sin(np.arange(len(points)) * 1.7)
-    fast = filaments(points, starts, activation, 0.08, 10.0, 2.5)
-    plain = filaments_plain(points, starts, activation, 0.08, 10.0, 2.5)
-    for a, b in zip(fast, plain, strict=True):
+    made = filaments(points, reference, starts, activation, 0.08, 10.0, reach)
+    fast = filament_pairs(starts, made)
+    plain = filaments_plain(points, reference, starts, activation, 0.08, 10.0, reach)
+    np.testing.assert_array_equal(fast[0], plain[0])
+    for a, b in zip(fast[1:], plain[1:], strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-13)
-    assert (fast[1] == 0.0).any()
+    every = sum(n * (n - 1) // 2 for n in np.diff(starts))
+    assert (len(plain[0]) == every) == np.isinf(reach)
+    sums = np.bincount(plain[0].ravel(), np.repeat(plain[2], 2), minlength=len(points))
+    np.testing.assert_allclose(made.sums, sums, rtol=1e-12)
 
 
 def test_activation_shortens_and_its_absence_leaves_as_is():
     points, starts = stack([disk(20)])
-    now = filaments(points, starts, np.zeros(20), 0.08, 10.0, 3.5)[0]
-    short = filaments(points, starts, np.ones(20), 0.08, 10.0, 3.5)[0]
-    half = filaments(points, starts, (np.arange(20) == 0).astype(float), 0.08, 10.0, 3.5)[0]
+
+    def rest(activation):
+        return filament_pairs(starts, filaments(points, points, starts, activation, 0.08, 10.0, 3.5))[1]
+
+    now, short, half = rest(np.zeros(20)), rest(np.ones(20)), rest((np.arange(20) == 0).astype(float))
     np.testing.assert_allclose(short, 0.92 * now)
     np.testing.assert_allclose(half[:19], 0.96 * now[:19])
     np.testing.assert_array_equal(half[19:], now[19:])

@@ -1,5 +1,8 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
+import shapely
 from tests.pillars.shapes import disk, disk_domain, record, shape
 
 from vasculo.geometry.domain import Domain
@@ -28,7 +31,11 @@ def test_every_step_is_watched_and_in_order(disk_run):
     assert time[0] == 0.0
     assert (np.diff(time) > 0).all()
     assert (np.diff(time) <= 0.08 + 1e-12).all()
-    assert max(step.displacement for step in disk_run) <= 0.24 * 0.18 + 1e-9
+    for before, after in pairwise(disk_run):
+        ring = shapely.LinearRing(before.domain.pillars[0])
+        off = shapely.distance(ring, shapely.points(after.domain.pillars[0]))
+        if len(after.activation[0]) == len(before.activation[0]):  # new nodes lie beside the old sides
+            assert off.max() <= 1.05 * Angiogenesis().step_cap * 0.18  # nodes slide along the membrane besides
     for step in disk_run:
         assert step.steps_total == 20
         assert step.lineage == ((0,),)
@@ -45,9 +52,11 @@ def test_reversed_flow_and_other_units_of_shear_change_nothing():
 
 
 def test_another_length_unit_scales_the_result():
-    big = Domain.rectangle(120, 80, [disk(35, 10.0, 60.0, 40.0)])
     small = remodel(disk_domain(), Angiogenesis(steps=2)).pillars[0]
-    np.testing.assert_allclose(remodel(big, Angiogenesis(steps=2)).pillars[0] / 10, small, atol=1e-3)
+    eight = Domain.rectangle(96, 64, [8 * disk(35, 1.0, 6.0, 4.0)])  # a power of two: no digit is rounded differently
+    np.testing.assert_array_equal(remodel(eight, Angiogenesis(steps=2)).pillars[0] / 8, small)
+    ten = Domain.rectangle(120, 80, [disk(35, 10.0, 60.0, 40.0)])  # another rounding may change the triangulation
+    np.testing.assert_allclose(remodel(ten, Angiogenesis(steps=2)).pillars[0] / 10, small, atol=5e-3)
 
 
 def test_a_mirrored_layout_gives_the_mirrored_result():

@@ -5,9 +5,14 @@ import pytest
 from scipy.spatial import Delaunay
 from tests.pillars.shapes import disk
 
+from vasculo.geometry.domain import Domain
+from vasculo.geometry.outline import resample
+from vasculo.pillars import coarse
 from vasculo.pillars.cell import filaments, side_lengths, stack
+from vasculo.pillars.matrix import lay_matrix
 from vasculo.pillars.relax import Network, relax
 from vasculo.pillars.relax_plain import forces_plain, relax_plain
+from vasculo.springs.threads import get_threads, set_threads
 
 
 def cells_in_a_matrix(strain=0.08, traction=0.0, area_stiffness=300.0, bending=5.0):
@@ -25,22 +30,104 @@ def cells_in_a_matrix(strain=0.08, traction=0.0, area_stiffness=300.0, bending=5
     pinned = (everything[:, 0] % 7 == 0) | (everything[:, 1] % 4 == 0)
     direction = np.concatenate([o - o.mean(axis=0) for o in outlines])
     activation = np.pi / 2 * np.abs(np.sin(np.arctan2(direction[:, 1], direction[:, 0]))) - 1
-    rest, stiffness, sums = filaments(points, starts, activation, strain, 10.0, 3.5)
     return everything, Network(
-        starts,
-        starts,
-        rest,
-        stiffness,
-        sums,
-        side_lengths(points, starts),
-        springs,
-        np.linalg.norm(everything[springs[:, 1]] - everything[springs[:, 0]], axis=1),
-        np.array([np.pi * (n / (2 * np.pi)) * np.sin(2 * np.pi / n) * r**2 for n, r in ((24, 1.0), (30, 1.2))]),
-        area_stiffness,
-        bending,
-        np.tile((traction, 0.0), (len(points), 1)),
-        pinned,
+        starts=starts,
+        filaments=filaments(points, points, starts, activation, strain, 10.0, 3.5),
+        membrane_rest=side_lengths(points, starts),
+        membrane_ratio=1.0,
+        springs=springs,
+        spring_rest=np.linalg.norm(everything[springs[:, 1]] - everything[springs[:, 0]], axis=1),
+        rest_areas=np.array(
+            [np.pi * (n / (2 * np.pi)) * np.sin(2 * np.pi / n) * r**2 for n, r in ((24, 1.0), (30, 1.2))]
+        ),
+        area_stiffness=area_stiffness,
+        bending=bending,
+        loads=np.tile((traction, 0.0), (len(points), 1)),
+        pinned=pinned,
     )
+
+
+def many_cells(across, up, traction=0.0):
+    """A block of cells in a matrix that `lay_matrix` makes, with activation along x and y in turns."""
+    centres = [(3.0 * i + 2.0, 3.0 * j + 2.0) for i in range(across) for j in range(up)]
+    domain = Domain.rectangle(3.0 * across + 1.0, 3.0 * up + 1.0, [disk(20, 1.0, *place) for place in centres])
+    matrix = lay_matrix(domain, 0.6)
+    points, starts = stack(domain.pillars)
+    direction = points - np.repeat(centres, 20, axis=0)
+    turn = np.repeat(np.arange(len(centres)) % 2 * 0.5 * np.pi, 20)
+    activation = np.pi / 2 * np.abs(np.sin(np.arctan2(direction[:, 1], direction[:, 0]) + turn)) - 1
+    return matrix.points, Network(
+        starts=starts,
+        filaments=filaments(points, points, starts, activation, 0.08, 10.0, 3.5),
+        membrane_rest=side_lengths(points, starts),
+        membrane_ratio=1.0,
+        springs=matrix.springs,
+        spring_rest=matrix.rest_lengths,
+        rest_areas=domain.pillar_areas,
+        area_stiffness=300.0,
+        bending=10.0,
+        loads=np.tile((traction, 0.0), (len(points), 1)),
+        pinned=matrix.pinned,
+    )
+
+
+@pytest.fixture
+def any_threads():
+    before = get_threads()
+    yield set_threads
+    set_threads(before)
+
+
+def test_a_grid_of_hats_gives_the_same_with_any_number_of_threads_and_as_its_twin(any_threads, monkeypatch):
+    points, network = many_cells(9, 7, traction=0.01)
+    monkeypatch.setattr("vasculo.pillars.relax.WORTH", 1)  # so few cells would have one thread
+    results = []
+    for threads in (1, 2):
+        any_threads(threads)
+        results.append(relax(points, network, 2e-3))
+    plain = relax_plain(points, network, 2e-3)
+    np.testing.assert_array_equal(results[0].points, results[1].points)
+    np.testing.assert_allclose(results[0].points, plain.points, atol=1e-11)
+    assert results[0].sweeps == plain.sweeps
+
+
+def test_sweeps_hardly_grow_with_the_number_of_pillars():
+    few, many = (relax(*many_cells(*size), 2e-3).sweeps for size in ((4, 4), (20, 20)))
+    assert many < 1.6 * few
+
+
+def test_the_equilibrium_does_not_depend_on_the_grid(monkeypatch):
+    points, network = many_cells(9, 7)
+    whole = relax(points, network, 1e-9)
+    monkeypatch.setattr(coarse, "PILLARS_ACROSS", 100.0)
+    alone = relax(points, network, 1e-9)
+    assert whole.sweeps < alone.sweeps
+    np.testing.assert_allclose(whole.points, alone.points, atol=1e-7)
+    assert whole.residual < 1e-7
+
+
+def test_a_chain_across_the_grid_stays_in_the_band_and_stable():
+    pillars = [disk(20, 1.0, 3.0 * i + 2.0, 3.0 * j + 2.0) for i in range(14) for j in range(9) if j != 4]
+    bar = np.array([(1.0, 13.0), (42.0, 13.0), (42.0, 15.0), (1.0, 15.0)])
+    domain = Domain.rectangle(43.0, 28.0, [*pillars, resample(bar, 0.5)])
+    matrix = lay_matrix(domain, 0.6)
+    points, starts = stack(domain.pillars)
+    network = Network(
+        starts=starts,
+        filaments=filaments(points, points, starts, np.sin(points[:, 0]), 0.08, 10.0, 3.5),
+        membrane_rest=side_lengths(points, starts),
+        membrane_ratio=1.0,
+        springs=matrix.springs,
+        spring_rest=matrix.rest_lengths,
+        rest_areas=domain.pillar_areas,
+        area_stiffness=300.0,
+        bending=10.0,
+        loads=np.zeros_like(points),
+        pinned=matrix.pinned,
+    )
+    result = relax(matrix.points, network, 1e-8)
+    assert result.converged
+    assert np.abs(forces_plain(result.points, network)[~network.pinned]).max() < 1e-6
 
 
 def test_kernel_matches_plain_twin():

@@ -7,7 +7,8 @@ import pytest
 
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.generate import generate_mesh
-from vasculo.pillars.state import Merge
+from vasculo.pillars.events import Event
+from vasculo.pillars.state import RemodelState
 from vasculo.store.record import Record
 from vasculo.tissue.lattice import lattice
 
@@ -17,6 +18,43 @@ STUDY = '[study]\ntitle = "fabricated"\nseed = 3\n'
 def circle(x, y, radius, nodes=20):
     angle = 2 * np.pi * np.arange(nodes) / nodes
     return np.stack([x + radius * np.cos(angle), y + radius * np.sin(angle)], axis=1)
+
+
+def state_of(step, outlines, lineage):
+    """A state that fits the outlines; odd steps have an elastic matrix and filaments that remember."""
+    points = np.concatenate(outlines)
+    members = [pillar for group in lineage for pillar in group]
+    matrix = np.arange(8.0).reshape(4, 2) / (1 + step) if step % 2 else np.zeros((0, 2))
+    return RemodelState(
+        step=step,
+        time=0.1 * step,
+        length_unit=1.0 / 3.0,
+        shear_unit=2.5,
+        shear_ratio=float("inf") if step == 0 else 3.0,
+        points=points,
+        reference=points * 1.01 if step % 2 else points,
+        starts=np.cumsum([0, *(len(outline) for outline in outlines)]).astype(np.int32),
+        rest_areas=np.linspace(1.0, 2.0, len(outlines)),
+        members=np.array(members, dtype=np.int32),
+        member_starts=np.cumsum([0, *(len(group) for group in lineage)]).astype(np.int32),
+        touching=np.array([step == 2, False]),
+        merges_total=step,
+        next_pillar=3,
+        quiet_steps=step // 2,
+        matrix_points=matrix,
+        matrix_reference=matrix + 1.0,
+        matrix_springs=np.array([[0, 1], [1, 2]], dtype=np.int32)[: len(matrix)],
+        matrix_triangles=np.array([[0, 1, 2]], dtype=np.int32)[: len(matrix)],
+        matrix_pinned=np.array([True, False, False, True])[: len(matrix)],
+    )
+
+
+def events_of(step):
+    """No event at the start, then a merger in each step and another event in some."""
+    if step == 0:
+        return ()
+    merger = Event(step, 0.1 * step, "merge", (1.0, 0.5 * step), ((0,), (2,)), 10.0 * step)
+    return (merger, Event(step, 0.1 * step, "border", (0.0, 1.0), ((0, 2),))) if step == 2 else (merger,)
 
 
 def flow_step(step):
@@ -36,18 +74,19 @@ def flow_step(step):
         wall_shear=np.cos(middle[:, 1]),
         node_velocity=lambda: points * 2.0,
     )
-    merges = (Merge(step, ((0,), (1,)), 10.0 * step),) if step else ()
+    lineage = ((0, 2), (1,))
     return SimpleNamespace(
         step=step,
-        steps_total=3,
+        is_last=step == 3,
         time=0.1 * step,
         domain=domain,
         mesh=mesh,
         flow=flow,
         activation=[np.linspace(-1, 1, len(p)) for p in domain.pillars],
         node_shear=[np.full(len(p), 0.5 + step) for p in domain.pillars],
-        lineage=((0, 2), (1,)),
-        merges=merges,
+        lineage=lineage,
+        events=events_of(step),
+        state=state_of(step, domain.pillars, lineage),
     )
 
 
@@ -65,7 +104,7 @@ def fill(record, growth=3, remodelling=4):
         step = flow_step(number)
         if number == 0:
             record.set_domain(step.domain)
-        record.add_flow({"step": number, "time": step.time, "pillars": 2, "permeability": 0.1 / 3}, step, step.merges)
+        record.add_flow({"step": number, "time": step.time, "pillars": 2, "permeability": 0.1 / 3}, step, step.events)
 
 
 @pytest.fixture

@@ -2,13 +2,15 @@
 
 import os
 import signal
+import struct
 import subprocess
 import sys
 import textwrap
 
 import pytest
 
-from vasculo.store.guarded import GuardedFile, uninterrupted
+from vasculo.errors import InputError
+from vasculo.store.guarded import GuardedFile, mend, undo_path, uninterrupted
 from vasculo.store.read import open_run
 from vasculo.store.record import Record
 
@@ -56,6 +58,74 @@ def test_a_failing_disk_leaves_the_last_flush(tmp_path, room):
     for frame in run.frames:
         assert len(run.network(frame.step).points)
     Record.reopen(path, len(run.frames)).close()
+
+
+KILLED = """
+    import os, signal, sys
+    from pathlib import Path
+    sys.path.insert(0, {here!r})
+    from conftest import STUDY, fill
+    from vasculo.store.guarded import GuardedFile
+    from vasculo.store.record import Record
+    record = Record.create(Path({path!r}), STUDY, "0")
+    fill(record, growth=2, remodelling=1)
+    real, left = GuardedFile.write, [{count}]
+    def write(self, data):
+        left[0] -= 1
+        if left[0] < 0:
+            self._keep(self.tell(), self.tell() + len(data))
+            self._file.write(bytes(len(data) // 2))  # half of it, and wrong
+            os.kill(os.getpid(), signal.SIGKILL)
+        return real(self, data)
+    GuardedFile.write = write
+    fill(record, growth=0, remodelling=40)
+"""
+
+
+@pytest.mark.parametrize("count", [0, 3, 20, 60])
+def test_a_killed_process_leaves_the_last_flush(tmp_path, count):
+    path = tmp_path / "run.vtkhdf"
+    code = textwrap.dedent(KILLED.format(here=os.path.dirname(__file__), path=str(path), count=count))  # noqa: PTH120
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    run = open_run(path)
+    assert len(run.frames) >= 3
+    assert not undo_path(path).exists()
+    for step in run.steps():
+        assert len(run.flow(step).pressure)
+        assert len(run.state(step).points)
+    Record.reopen(path, len(run.frames)).close()
+
+
+def test_pieces_that_were_cut_short_are_not_put_back(tmp_path):
+    path = tmp_path / "f"
+    path.write_bytes(b"01xx45yy+++")
+    piece = struct.Struct("<qq").pack
+    undo_path(path).write_bytes(piece(8, 0) + piece(2, 2) + b"23" + piece(6, 2) + b"6")
+    mend(path)
+    assert path.read_bytes() == b"012345yy"
+    assert not undo_path(path).exists()
+    mend(path)
+    assert path.read_bytes() == b"012345yy"
+
+
+def test_a_file_that_grows_keeps_no_undo(tmp_path):
+    path = tmp_path / "f"
+    file = GuardedFile(path, "x")
+    file.write(b"0123")
+    file.check()
+    file.write(b"4567")
+    assert undo_path(path).read_bytes() == b""
+    with pytest.raises(InputError, match="being written by another run"):
+        mend(path)
+    file.seek(0)
+    file.write(b"ab")
+    assert undo_path(path).read_bytes().endswith(b"01")
+    file.check()
+    assert undo_path(path).read_bytes() == b""
+    file.close()
+    assert [item.name for item in tmp_path.iterdir()] == ["f"]
+    assert path.read_bytes() == b"ab234567"
 
 
 def test_what_was_written_over_comes_back(tmp_path):

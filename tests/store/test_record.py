@@ -47,7 +47,7 @@ def test_everything_reads_back(folder, steps, fab):
             np.testing.assert_array_equal(mine, theirs)
         for mine, theirs in zip(pillars.activation, step.activation, strict=True):
             np.testing.assert_array_equal(mine, theirs)
-        assert list(pillars.merge_angles) == [merge.angle for merge in step.merges]
+        assert list(pillars.merge_angles) == [event.angle for event in step.events if event.kind == "merge"]
         assert run.domain(number).sides == step.domain.sides
     assert run.metrics["permeability"][3] == 0.1 / 3
     assert np.isnan(run.metrics["permeability"][0])
@@ -79,7 +79,7 @@ def test_a_continued_record_equals_one_in_one_go(folder, tmp_path, fab):
     for number in (1, 2, 3):
         step = fab.flow_step(number)
         row = {"step": number, "time": step.time, "pillars": 2, "permeability": 0.1 / 3}
-        record.add_flow(row, step, step.merges)
+        record.add_flow(row, step, step.events)
     record.set_facts("stages", [{"name": "angiogenesis", "seconds": 1.5}])
     record.finish()
     record.close()

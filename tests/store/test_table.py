@@ -10,7 +10,9 @@ from vasculo.store.table import COLUMNS, COUNTS, MEANINGS, from_csv, to_csv, wri
 def test_the_columns_are_those_of_the_interface():
     assert ",".join(COLUMNS) == (
         "stage,step,time,springs,void_fraction,pillars,merges,order,alignment,aspect_ratio,angle,mean_gap,"
-        "permeability,mean_wall_shear,triangles,residual,mass_imbalance,seconds"
+        "permeability,mean_wall_shear,triangles,residual,mass_imbalance,seconds,local_angle,chains,largest_chain,"
+        "chain_fraction,straightness,resistance,shear_variation,shear_ratio,corridors,corridor_width,corridor_run,"
+        "events,seconds_mesh,seconds_flow,seconds_cells"
     )
     assert set(MEANINGS) == set(COLUMNS)
     assert set(COUNTS) < set(COLUMNS)

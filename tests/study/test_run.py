@@ -21,7 +21,7 @@ FILES = {"study.toml", "run.vtkhdf", "metrics.csv", "checkpoint.h5", "log.txt"}
 
 def numbers(run_):
     """All columns but the wall times."""
-    return {name: values for name, values in run_.metrics.items() if name not in {"seconds", "stage"}}
+    return {name: values for name, values in run_.metrics.items() if name != "stage" and not name.startswith("seconds")}
 
 
 def assert_same(one, two):
@@ -178,10 +178,8 @@ def test_a_folder_in_use_is_refused(disk_run, tiny_disk):
         run("disk", disk_run.folder, tiny_disk)
 
 
-def test_resume_refuses_other_settings(disk_run, tmp_path):
-    with pytest.raises(InputError, match=r"was begun with angiogenesis.steps = 3, not 9"):
-        run(out=disk_run.folder, resume=True, settings={"angiogenesis.steps": 9})
-    with pytest.raises(InputError, match=r"was begun with angiogenesis.steps = 3, not 40"):
+def test_resume_refuses_another_study(disk_run, tmp_path):
+    with pytest.raises(InputError, match=r"was begun with domain.width = 6.0, not 12.0: resume without"):
         run("disk", disk_run.folder, resume=True)
     with pytest.raises(InputError, match="holds no run to go on with"):
         run(out=tmp_path, resume=True)
@@ -193,7 +191,7 @@ def test_resume_needs_its_files(tiny_disk, tmp_path):
         run("disk", folder, tiny_disk, progress=StopAt("angiogenesis", 1))
     study = (folder / "study.toml").read_text()
     (folder / "study.toml").write_text(study.replace("steps = 3", "steps = 4"))
-    with pytest.raises(InputError, match="was changed since the run began"):
+    with pytest.raises(InputError, match=r"was changed since the run began: change it back"):
         run(out=folder, resume=True)
     (folder / "study.toml").write_text(study)
     (folder / "run.vtkhdf").unlink()

@@ -128,7 +128,7 @@ WRONG = [
     ("[vasculogenesis]\nthreshold = nan", "study.toml: vasculogenesis.threshold is nan"),
     ("[vasculogenesis]\npreset = 'fin'", "study.toml: vasculogenesis.preset = 'fin' must be one of 'fine', 'medium'"),
     ("[vasculogenesis]\nprest = 'fine'", "study.toml: unknown key vasculogenesis.prest, did you mean"),
-    ("[angiogenesis]\nactivation = 3.0", "study.toml: angiogenesis.activation = 3.0 is not a number from -0.2 to 0.2"),
+    ("[angiogenesis]\nactivation = 3.0", "study.toml: angiogenesis.activation = 3.0 is not a number from -0.6 to 0.6"),
     ("[angiogenesis]\nwalls = 'soft'", "study.toml: angiogenesis.walls = 'soft' must be one of 'slip', 'no-slip'"),
     ("[extraction]\nfluid_fraction = 2.0", "study.toml: extraction.fluid_fraction must lie between 0 and 1"),
     ("[domain]\nkind = 'box'", "study.toml: domain.kind = 'box' must be one of 'tissue', 'voronoi', 'disk'"),

@@ -22,13 +22,16 @@ if TYPE_CHECKING:
 
 INK = "#20242c"
 MUTED = "#6b7280"
-PILLAR = "#e2937c"
+PILLAR = "#f0c9b4"
 PILLAR_EDGE = "#8f4331"
 ACCENT = "#1f6f8b"
 RESOLUTION = 160  # dots per inch
 
-SPEED = LinearSegmentedColormap.from_list("speed", ["#0a0d14", "#152c42", "#1f6f8b", "#7cc4cf", "#fbfdfd"])
-"""Dark where the fluid rests, bright where it is fast."""
+SPEED = LinearSegmentedColormap.from_list("speed", ["#0a0d14", "#152c42", "#1f6f8b", "#5fb4c4", "#8adbe0"])
+"""Dark where the fluid rests, bright where it is fast; also in grey never as light as a pillar."""
+
+CHAIN = LinearSegmentedColormap.from_list("chain", ["#f9f1ea", "#f0c9b4", "#e59a6f", "#d0623d", "#b0331f"])
+"""Pale for a single pillar, strong for the largest chain."""
 
 SHEAR = LinearSegmentedColormap.from_list("shear", ["#2b3a67", "#4a7fa7", "#e8dcc4", "#e08a4f", "#a61c1c"])
 """Blue below, sand at, red above the middle of its scale."""

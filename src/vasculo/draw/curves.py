@@ -13,50 +13,70 @@ if TYPE_CHECKING:
 
     from vasculo.store.read import Run
 
-_GROWTH = (
-    ("springs", ("springs",), "springs left"),
-    ("void_fraction", ("void_fraction",), "share of voids"),
-    ("pillars", ("pillars",), "voids"),
+_GROWTH: tuple[tuple[tuple[str, ...], str], ...] = (
+    (("springs",), "springs left"),
+    (("void_fraction",), "share of voids"),
+    (("pillars",), "voids"),
 )
-_REMODELLING = (
-    ("pillars", ("pillars", "merges"), "pillars (line), mergers (dashed)"),
-    ("order", ("alignment", "order"), "alignment (line), order (dashed)"),
-    ("aspect_ratio", ("aspect_ratio",), "aspect ratio"),
-    ("permeability", ("permeability",), "permeability over its start"),
-    ("mean_wall_shear", ("mean_wall_shear",), "mean wall shear over its start"),
-    ("mean_gap", ("mean_gap",), "mean gap"),
+_REMODELLING: tuple[tuple[tuple[str, ...], str], ...] = (
+    (("pillars", "merges"), "pillars (line), mergers (dashed)"),
+    (("alignment", "order"), "alignment (line), order (dashed)"),
+    (("local_angle",), "mean angle to the local flow, degrees"),
+    (("aspect_ratio",), "aspect ratio"),
+    (("chain_fraction", "straightness"), "share in chains (line), straightness (dashed)"),
+    (("mean_gap", "corridor_width"), "mean gap (line), corridor width (dashed)"),
+    (("permeability",), "permeability over its start"),
+    (("corridors",), "corridors that carry the flow"),
+    (("mean_wall_shear",), "mean wall shear over its start"),
+    (("shear_variation",), "spread of the shear around a pillar"),
+    (("shear_ratio",), "slowest to fastest: shear ratio"),
+    (("seconds_flow", "seconds_mesh", "seconds_cells"), "seconds: flow, mesh (dashed), cells (dots)"),
 )
 _RELATIVE = {"permeability", "mean_wall_shear"}
+_STYLES = (("-", ACCENT), ("--", PILLAR_EDGE), (":", INK))
 
 
 def draw_curves(run: Run, stage: str) -> Figure:
-    """Draw the numbers of one stage, a panel a quantity, three panels a row."""
+    """Draw the numbers of one stage, a panel a quantity, three panels a row; those that a run has not are left out."""
     rows = run.metrics["stage"] == stage
+    known = {name: column[rows] for name, column in run.metrics.items() if name != "stage"}
     panels = _GROWTH if stage == "vasculogenesis" else _REMODELLING
+    panels = tuple((names, title) for names, title in panels if any(_has(known, name) for name in names))
     across = "time" if stage == "vasculogenesis" else "step"
-    figure = new_figure(9.0, 2.3 * ((len(panels) + 2) // 3))
-    grid = figure.subplots((len(panels) + 2) // 3, 3, squeeze=False).ravel()
-    for axes, (_, names, title) in zip(grid, panels, strict=True):
-        for name, style in zip(names, ("-", "--"), strict=False):
-            values = run.metrics[name][rows]
-            if name in _RELATIVE and len(values) and values[0] > 0.0:
+    count = -(-len(panels) // 3)
+    figure = new_figure(9.6, 2.1 * count)
+    grid = figure.subplots(count, 3, squeeze=False).ravel()
+    for axes, (names, title) in zip(grid, panels, strict=False):
+        for name, (style, colour) in zip(names, _STYLES, strict=False):
+            if not _has(known, name):
+                continue
+            values = known[name]
+            if name in _RELATIVE and values[0] > 0.0:
                 values = values / values[0]
-            _curve(axes, run.metrics[across][rows], values, style)
-        _plain(axes, title, across)
+            if name.startswith("seconds_") and len(values) > 2:
+                values = np.append(np.nan, values[1:])  # the first step loads and compiles
+            _curve(axes, known[across], values, style, colour)
+        plain(axes, title, "")
+        axes.set_xlabel(across, fontsize=7.5, color=MUTED)
+    for axes in grid[len(panels) :]:
+        axes.set_visible(False)
     return figure
 
 
-def _curve(axes: Any, x: np.ndarray, y: np.ndarray, style: str) -> None:
-    known = np.isfinite(y)
-    if not known.any():
-        return
-    colour = ACCENT if style == "-" else PILLAR_EDGE
-    axes.plot(x[known], y[known], style, color=colour, linewidth=1.6, marker="o" if known.sum() < 3 else None)
+def _has(known: dict[str, np.ndarray], name: str) -> bool:
+    return name in known and bool(np.isfinite(known[name]).any())
 
 
-def _plain(axes: Any, title: str, across: str) -> None:
+def _curve(axes: Any, x: np.ndarray, y: np.ndarray, style: str, colour: str) -> None:
+    found = np.isfinite(y)
+    marker = "o" if found.sum() < 3 else None
+    axes.plot(x[found], y[found], style, color=colour, linewidth=1.6, marker=marker)
+
+
+def plain(axes: Any, title: str, up: str) -> None:
+    """Give axes their caption, the name of what goes up, and a quiet frame."""
     caption(axes, title)
-    axes.set_xlabel(across, fontsize=7.5, color=MUTED)
+    axes.set_ylabel(up, fontsize=7.5, color=MUTED)
     axes.tick_params(labelsize=7, colors=MUTED, length=2.5)
     axes.grid(color="#e5e7eb", linewidth=0.6)
     axes.set_axisbelow(True)

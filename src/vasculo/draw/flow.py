@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vasculo.draw.canvas import ACCENT, PILLAR, SPEED, panel
-from vasculo.draw.pillars import draw_pillars
+from vasculo.draw.pillars import add, draw_pillars
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,6 +31,12 @@ def node_speed(flow: FlowFields) -> NDArray[np.float64]:
 def speed_scale(flow: FlowFields) -> float:
     """Speed that is drawn brightest."""
     return float(np.percentile(node_speed(flow), CLIP))
+
+
+def mean_speed(flow: FlowFields) -> float:
+    """Mean speed over the fluid."""
+    speed = np.hypot(flow.velocity[:, 0], flow.velocity[:, 1])
+    return float(speed @ flow.mesh.areas / flow.mesh.areas.sum())
 
 
 def fastest_point(flow: FlowFields) -> tuple[float, float]:
@@ -71,9 +77,17 @@ def draw_speed(
     scale : float, optional
         Speed drawn brightest; by default the 99.5th percentile of the node speeds.
     """
+    top = speed_scale(flow) if scale is None else scale
+    colours = draw_field(axes, flow, top, _GAMMA if len(outlines) > 1 else 1.0)
+    draw_pillars(axes, outlines)
+    panel(axes, box, title)
+    return colours
+
+
+def draw_field(axes: Any, flow: FlowFields, top: float, gamma: float) -> Any:
+    """Draw the speed alone, `top` and more brightest, on a scale of speed to the power `gamma`."""
     from matplotlib.colors import PowerNorm  # noqa: PLC0415  # heavy, and only here
 
-    top = speed_scale(flow) if scale is None else scale
     colours = axes.tripcolor(
         flow.mesh.points[:, 0],
         flow.mesh.points[:, 1],
@@ -81,11 +95,10 @@ def draw_speed(
         triangles=flow.mesh.triangles,
         shading="gouraud",
         cmap=SPEED,
-        norm=PowerNorm(_GAMMA if len(outlines) > 1 else 1.0, 0.0, top if top > 0.0 else 1.0, clip=True),
+        norm=PowerNorm(gamma, 0.0, top if top > 0.0 else 1.0, clip=True),
         rasterized=True,
     )
-    draw_pillars(axes, outlines)
-    panel(axes, box, title)
+    colours.set_in_layout(False)
     return colours
 
 
@@ -97,6 +110,8 @@ def draw_mesh(
     title: str = "",
 ) -> None:
     """Draw the triangles inside `box` and the pillars between them."""
+    from matplotlib.collections import LineCollection  # noqa: PLC0415  # heavy, and only here
+
     centres = mesh.centroids
     margin = 2.0 * float(np.sqrt(mesh.areas.max()))
     seen = (
@@ -107,7 +122,7 @@ def draw_mesh(
     )
     width = 0.35 if np.count_nonzero(seen) < 6000 else 0.15
     draw_pillars(axes, outlines, face=PILLAR)
-    axes.triplot(
-        mesh.points[:, 0], mesh.points[:, 1], mesh.triangles[seen], color=ACCENT, linewidth=width, rasterized=True
-    )
+    edges = np.unique(np.sort(mesh.triangles[seen][:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    lines = LineCollection(list(mesh.points[edges]), colors=ACCENT, linewidths=width, zorder=4, rasterized=True)
+    add(axes, lines)
     panel(axes, box, title)

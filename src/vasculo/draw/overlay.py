@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vasculo.draw.canvas import ACCENT, INK, MUTED, caption, new_figure, save
+from vasculo.draw.scale import nice_length
 from vasculo.plexus.image_levels import grey_values
 
 if TYPE_CHECKING:
@@ -24,7 +25,6 @@ WHOLE, CUT, WALL, LOST = "#e4572e", "#f2b134", "#8e44ad", "#d81b60"
 PALE = 0.45
 """Share of white that is laid over the picture."""
 _SIDE, _BAR = 8.0, 0.2  # inches of the longer side; wanted length of the scale bar over the width
-_ROUND = (1.0, 2.0, 5.0)
 _RIM = 0.035  # width of the rim with the marks, over the longer side
 
 
@@ -81,12 +81,6 @@ def draw_overlay(picture: NDArray[np.generic], found: Pictured, pixel_size: floa
     figure.legend(handles=keys, loc="outside lower center", ncols=4, fontsize=7.5, frameon=False, labelcolor=INK)
     caption(axes, f"{len(outlines)} pillars · fluid fraction {found.report.fluid_fraction:.2f}")
     return save(figure, path)
-
-
-def nice_length(wanted: float) -> float:
-    """Largest of 1, 2, 5, 10, 20, ... that is not above `wanted`."""
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(max(step * power for step in _ROUND if step * power <= wanted * (1.0 + 1e-12)))
 
 
 def _shades(picture: NDArray[np.generic]) -> Floats:

@@ -5,10 +5,23 @@ from __future__ import annotations
 import base64
 from html import escape
 from importlib.resources import files
+from math import isnan
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+
+TIMES = "\u00d7"
+"""The multiplication sign."""
+
+
+def as_text(value: object) -> str:
+    """Write a value for people."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return "" if isnan(value) else f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
+    return str(value)
 
 
 def page(title: str, parts: Iterable[str]) -> str:

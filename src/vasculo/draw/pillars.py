@@ -17,11 +17,23 @@ if TYPE_CHECKING:
     from vasculo.store.read import FlowFields
 
 
+def pen(count: int) -> float:
+    """Factor on the width of outlines: thinner where there are more pillars than print well."""
+    return max(0.25, min(1.0, (100.0 / max(count, 1)) ** 0.5))
+
+
+def add(axes: Any, collection: Any) -> Any:
+    """Add many shapes inside the frame of the axes: the layout need not look for the box of each; return them."""
+    collection.set_in_layout(False)
+    return axes.add_collection(collection, autolim=False)
+
+
 def draw_pillars(axes: Any, outlines: Sequence[NDArray[np.float64]], *, face: str = PILLAR) -> None:
     """Fill the outlines, (k, 2) each, in the tone of tissue."""
     from matplotlib.collections import PolyCollection  # noqa: PLC0415  # heavy, and only here
 
-    axes.add_collection(PolyCollection(outlines, facecolors=face, edgecolors=PILLAR_EDGE, linewidths=0.5, zorder=3))
+    width = 0.6 * pen(len(outlines))
+    add(axes, PolyCollection(outlines, facecolors=face, edgecolors=PILLAR_EDGE, linewidths=width, zorder=3))
 
 
 def draw_pillars_over(
@@ -35,7 +47,8 @@ def draw_pillars_over(
     from matplotlib.collections import PolyCollection  # noqa: PLC0415
 
     draw_pillars(axes, outlines)
-    axes.add_collection(PolyCollection(earlier, facecolors="none", edgecolors=INK, linewidths=0.5, zorder=4))
+    width = 0.5 * pen(len(earlier))
+    add(axes, PolyCollection(earlier, facecolors="none", edgecolors=INK, linewidths=width, zorder=4))
     panel(axes, box, title)
 
 
@@ -58,12 +71,12 @@ def draw_shear(
     """Draw the magnitude of the wall shear along the pillars; return the coloured lines, for a colour bar."""
     from matplotlib.collections import LineCollection, PolyCollection  # noqa: PLC0415
 
-    axes.add_collection(PolyCollection(outlines, facecolors="#f3ece6", edgecolors="none", zorder=1))
+    add(axes, PolyCollection(outlines, facecolors="#f3ece6", edgecolors="none", zorder=1))
     on_pillars = flow.wall_pillar >= 0
     lines = LineCollection(
         list(flow.mesh.points[flow.wall_edges[on_pillars]]),
         cmap=SHEAR,
-        linewidths=1.8,
+        linewidths=1.8 * max(0.4, pen(len(outlines))),
         capstyle="round",
         zorder=2,
         rasterized=True,
@@ -71,6 +84,6 @@ def draw_shear(
     lines.set_array(np.abs(flow.wall_shear[on_pillars]))
     top = shear_scale(flow) if scale is None else scale
     lines.set_clim(0.0, top if top > 0.0 else 1.0)
-    axes.add_collection(lines)
+    add(axes, lines)
     panel(axes, box, title)
     return lines

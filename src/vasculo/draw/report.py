@@ -5,12 +5,10 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from vasculo.draw.canvas import png
 from vasculo.draw.figures import pictures
-from vasculo.draw.page import cards, folded, page, picture, table
-from vasculo.measure import chains
+from vasculo.draw.page import TIMES, as_text, cards, folded, page, picture, table
+from vasculo.draw.remodelling import branch_parts, ends, remodelling_parts, step_times
 from vasculo.store.read import FIGURES, REPORT
 from vasculo.store.table import COLUMNS, MEANINGS, write_whole
 
@@ -26,8 +24,6 @@ _MODEL = (
     "The model is that of Szczerba and Székely (2005): a spring mesh tears into a plexus, blood flows through it, and "
     "the pillars of tissue remodel under the shear."
 )
-_TIMES = "\u00d7"  # multiplication sign
-_CHANGES = ("order", "alignment", "aspect_ratio", "mean_gap", "permeability", "mean_wall_shear", "triangles")
 
 
 def write_report(run: Run) -> Path:
@@ -50,24 +46,24 @@ def _parts(run: Run) -> list[str]:
     ]
     if not run.complete:
         parts.append('<p class="warning">This run did not come to its end; what follows is what was recorded.</p>')
+    parts += branch_parts(run)
     parts += [cards(_key_numbers(run)), "<h2>Pictures</h2>", *_pictures(run)]
-    parts += ["<h2>Stages</h2>", _stages(run)]
+    parts += ["<h2>Stages</h2>", _stages(run), *step_times(run)]
     if run.steps("angiogenesis"):
-        parts += ["<h2>What the flow changed</h2>", _changes(run), *_chains(run)]
+        parts += ["<h2>What the flow changed</h2>", *remodelling_parts(run)]
     if plexus := run.facts("plexus"):
-        rows = [(entry["name"], _text(entry["value"]), entry["meaning"]) for entry in plexus]
+        rows = [(entry["name"], as_text(entry["value"]), entry["meaning"]) for entry in plexus]
         listing = table(("", "value", "meaning"), rows, ("", "value", "meaning"))
         parts += ["<h2>Plexus</h2>", _plexus_line(plexus), folded("All numbers of the plexus", listing)]
     if extraction := run.facts("extraction"):
-        rows = [(entry["name"], _text(entry["value"]), entry["meaning"]) for entry in extraction]
+        rows = [(entry["name"], as_text(entry["value"]), entry["meaning"]) for entry in extraction]
         listing = table(("", "value", "meaning"), rows, ("", "value", "meaning"))
         parts += ["<h2>Extraction</h2>", *_notes(extraction), folded("All counts of the extraction", listing)]
     parts += ["<h2>Settings</h2>", _settings(run)]
     meanings = [(name, MEANINGS[name]) for name in COLUMNS]
     parts += [
         "<h2>Definitions</h2>",
-        "<p>Columns of <code>metrics.csv</code>:</p>",
-        table(("column", "meaning"), meanings),
+        folded("Columns of metrics.csv", table(("column", "meaning"), meanings)),
     ]
     parts += ["<h2>Source of the model</h2>", f"<p>{escape(_CITATION)}</p>"]
     return parts
@@ -88,26 +84,20 @@ def _key_numbers(run: Run) -> list[tuple[str, str]]:
             found.append(("voids", f"{int(run.metrics['pillars'][last])}"))
             found.append(("of the area in voids", f"{run.metrics['void_fraction'][last]:.0%}"))
     if run.steps("angiogenesis"):
-        first, last = _ends(run)
+        first, last = ends(run)
         table_ = run.metrics
         found += [
             ("pillars, start and end", f"{int(table_['pillars'][first])} → {int(table_['pillars'][last])}"),
             ("mergers", f"{int(table_['merges'][last])}"),
             (
                 "permeability over its start",
-                f"{_TIMES} {table_['permeability'][last] / table_['permeability'][first]:.2f}",
+                f"{TIMES} {table_['permeability'][last] / table_['permeability'][first]:.2f}",
             ),
             ("alignment to the local flow", f"{table_['alignment'][first]:.2f} → {table_['alignment'][last]:.2f}"),
             ("aspect ratio", f"{table_['aspect_ratio'][first]:.2f} → {table_['aspect_ratio'][last]:.2f}"),
             ("triangles of the flow mesh", f"{int(table_['triangles'][last]):,}"),
         ]
     return found
-
-
-def _ends(run: Run) -> tuple[int, int]:
-    """Rows of the first and the last recorded step of the angiogenesis."""
-    rows = np.flatnonzero(run.metrics["stage"] == "angiogenesis")
-    return int(rows[0]), int(rows[-1])
 
 
 def _pictures(run: Run) -> list[str]:
@@ -128,38 +118,6 @@ def _stages(run: Run) -> str:
         total = sum(stage["seconds"] for stage in stages)
         rows.append(("all", f"{total:.1f}", str(max(stage["peak_mb"] for stage in stages)), ""))
     return table(("stage", "seconds", "peak memory, MB", "result"), rows, ("", "value", "value", ""))
-
-
-def _changes(run: Run) -> str:
-    """Numbers of the first and the last step beside each other."""
-    first, last = _ends(run)
-    units = run.settings.get("units", {})
-    rows = []
-    for name in _CHANGES:
-        start, end = float(run.metrics[name][first]), float(run.metrics[name][last])
-        ratio = f"{_TIMES} {end / start:.2f}" if start > 0.0 and name not in {"order", "alignment"} else ""
-        factor, unit = 1.0, ""
-        if name == "mean_gap" and "length" in units:
-            factor, unit = units["length"], " µm"
-        if name == "mean_wall_shear" and "shear" in units:
-            factor, unit = units["shear"], " dyn/cm²"
-        cells = ["" if np.isnan(value) else f"{_text(value * factor)}{unit}" for value in (start, end)]
-        rows.append((name, *cells, ratio, MEANINGS[name]))
-    return table(("", "start", "end", "change", "meaning"), rows, ("", "value", "value", "value", "meaning"))
-
-
-def _chains(run: Run) -> list[str]:
-    """One sentence about chains and the directions of the mergers."""
-    found = chains(run.domain(), run.pillars().lineage)
-    angles = np.concatenate([run.pillars(step).merge_angles for step in run.steps()])
-    text = (
-        f"The largest chain holds {found.largest} original pillars; {found.fraction:.0%} of them all are in "
-        f"chains; the longest pillar measures {found.lengths.max():.3g} model lengths."
-    )
-    if len(angles):
-        mean = float(np.mean(np.cos(2.0 * np.radians(angles))))
-        text += f" Mergers: {len(angles)}, with a mean cos 2φ against the mean flow of {mean:.2f}."
-    return [f"<p>{text}</p>"]
 
 
 def _plexus_line(plexus: list[dict[str, Any]]) -> str:
@@ -195,16 +153,8 @@ def _settings(run: Run) -> str:
     """Every key of the study, by section."""
     meanings = run.facts("meanings") or {}
     parts = []
-    for section, keys in run.settings.items():
-        rows = [(key, _text(value), meanings.get(f"{section}.{key}", "")) for key, value in keys.items()]
+    sections = ((name, keys) for name, keys in run.settings.items() if isinstance(keys, dict))
+    for section, keys in sections:
+        rows = [(key, as_text(value), meanings.get(f"{section}.{key}", "")) for key, value in keys.items()]
         parts.append(f"<h3>{escape(section)}</h3>{table(('key', 'value', 'meaning'), rows, ('', 'value', 'meaning'))}")
     return folded("All keys", "\n".join(parts))
-
-
-def _text(value: object) -> str:
-    """Write a value for people."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
-    return str(value)

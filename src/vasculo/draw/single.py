@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from vasculo.draw.canvas import RESOLUTION, new_figure, save
+from vasculo.draw.chains import chain_classes, draw_lanes
 from vasculo.draw.flow import draw_mesh, draw_speed, mesh_box, speed_scale
 from vasculo.draw.pillars import draw_pillars_over, draw_shear, shear_scale
 from vasculo.draw.springs import draw_springs, sharpness, whole_tissue, zoom
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from vasculo.draw.canvas import Box
     from vasculo.store.read import Run
 
-What = Literal["springs", "mesh", "flow", "shear", "pillars"]
+What = Literal["springs", "mesh", "flow", "shear", "pillars", "chains"]
 
 FRAMES_PER_SECOND = 8
 _SIDE = 8.0  # inches of the longer side
@@ -94,6 +95,9 @@ def paint(run: Run, view: View, axes: Any, step: int) -> None:
         draw_mesh(axes, mesh, outlines, view.box, f"{title} · {len(mesh.triangles)} triangles")
     elif view.what == "flow":
         draw_speed(axes, run.flow(step), outlines, view.box, title, view.scale)
+    elif view.what == "chains":
+        classes = chain_classes(max((len(group) for group in run.lineage()), default=1))
+        draw_lanes(axes, run.flow(step), run.pillars(step), view.box, title, classes)
     else:
         draw_shear(axes, run.flow(step), outlines, view.box, title, view.scale)
 
@@ -105,7 +109,7 @@ def draw_one(run: Run, what: What, step: int | None = None) -> Path:
     ----------
     run : Run
         An opened run.
-    what : {"springs", "mesh", "flow", "shear", "pillars"}
+    what : {"springs", "mesh", "flow", "shear", "pillars", "chains"}
         What to draw.
     step : int, optional
         A recorded step; the last one when left out.

@@ -53,10 +53,10 @@ class Flow:
         Sum of the fluxes through the boundary, and the worst balance of a cell, whichever is greater, over the flow
         that passes.
     report : dict
-        "unknowns", "solver", "why" it was chosen, "note" (advice, mostly empty), "iterations", "analysis_seconds",
-        "factor_seconds", "krylov_seconds", "factor_bytes", "parts", "closed_parts", "pocket_triangles" (cells in closed
-        parts that nothing drives), "mass_imbalance", "cell_imbalance", and the number of faces by neighbourhood level
-        and fallback.
+        "unknowns", "solver", "why" it was chosen, "note" (advice, mostly empty), "iterations", "analysis" ("anew" or
+        "kept"), "analysis_seconds", "factor_seconds", "krylov_seconds", "factor_bytes", "parts", "closed_parts",
+        "pocket_triangles" (cells in closed parts that nothing drives), "mass_imbalance", "cell_imbalance", and the
+        number of faces by neighbourhood level and fallback.
     faces : Faces
         Faces of the triangles and what holds on them.
     face_flux : (m,) float64

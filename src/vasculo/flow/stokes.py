@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from vasculo.flow.boundary import Condition
+    from vasculo.flow.linear.kept import KeptAnalysis
     from vasculo.flow.values import Field
     from vasculo.mesh.triangulation import Triangulation
 
@@ -42,6 +43,7 @@ def solve_stokes(
     solver: str = "auto",
     tolerance: float | None = None,
     memory: float | None = None,
+    kept: KeptAnalysis | None = None,
 ) -> Flow:
     """Solve ``grad p = viscosity laplace u + force``, ``div u = 0`` (Szczerba & Szekely 2005, eqs (6)-(10)).
 
@@ -71,6 +73,9 @@ def solve_stokes(
         Relative residual to reach; without it as near to round-off as the solver gets, and mass balanced to 1e-8.
     memory : float, optional
         Bytes that the solution may take; without it what is free.
+    kept : KeptAnalysis, optional
+        From flow to flow, for meshes that move and keep their triangles (`vasculo.mesh.repair.follow.follow_mesh`):
+        the solver's analysis is made once. ``report["analysis"]`` says whether it was "kept" or made "anew".
 
     Returns
     -------
@@ -92,13 +97,14 @@ def solve_stokes(
     given = cell_forces(mesh, force)
     parts = check_problem(mesh, faces, given, pockets=pockets)
     system = assemble(mesh, faces, viscosity, given + faces.gradient, order, parts)
-    solution = solve(system, mesh, solver=solver, tolerance=tolerance, memory=memory)
+    solution = solve(system, mesh, solver=solver, tolerance=tolerance, memory=memory, kept=kept)
     return _flow(mesh, faces, system, viscosity, solution, {
         "unknowns": len(system.right),
         "solver": solution.solver,
         "why": solution.why,
         "note": solution.note,
         "iterations": solution.iterations,
+        "analysis": solution.analysis,
         "analysis_seconds": solution.analysis_seconds,
         "factor_seconds": solution.factor_seconds,
         "krylov_seconds": solution.krylov_seconds,

@@ -1,35 +1,48 @@
 """Numbers that biologists quote, each defined in its docstring."""
 
+from vasculo.measure.alignment import AngleSummary, LocalAngles, alignment, local_angles
+from vasculo.measure.chains import Chains, chains
 from vasculo.measure.cords import Cords, cords
+from vasculo.measure.corridors import Corridors, corridors
 from vasculo.measure.hydraulics import (
-    alignment,
-    mean_wall_shear,
+    flow_direction,
     permeability,
     permeability_tensor,
     pillar_drag,
-    shear_ratio,
+    resistance,
 )
 from vasculo.measure.junctions import Junctions
+from vasculo.measure.middle_lines import MiddleLines, middle_lines
 from vasculo.measure.network import NetworkFlow, poiseuille_network
 from vasculo.measure.passages import Passages, passages
 from vasculo.measure.plexus import PlexusNumbers, plexus
-from vasculo.measure.shape import Chains, PillarTable, chains, mean_gap, order, pillars
+from vasculo.measure.shape import PillarTable, mean_gap, order, pillars
+from vasculo.measure.shear import ShearDistribution, mean_wall_shear, shear_distribution, shear_ratio
 from vasculo.measure.tubules import TubuleFlow, tubule_flow
 
 __all__ = [
+    "AngleSummary",
     "Chains",
     "Cords",
+    "Corridors",
     "Junctions",
+    "LocalAngles",
+    "MiddleLines",
     "NetworkFlow",
     "Passages",
     "PillarTable",
     "PlexusNumbers",
+    "ShearDistribution",
     "TubuleFlow",
     "alignment",
     "chains",
     "cords",
+    "corridors",
+    "flow_direction",
+    "local_angles",
     "mean_gap",
     "mean_wall_shear",
+    "middle_lines",
     "order",
     "passages",
     "permeability",
@@ -38,6 +51,8 @@ __all__ = [
     "pillars",
     "plexus",
     "poiseuille_network",
+    "resistance",
+    "shear_distribution",
     "shear_ratio",
     "tubule_flow",
 ]

@@ -1,4 +1,4 @@
-"""What the flow does to the plexus: permeability, wall shear, drag."""
+"""What the plexus does to the flow, and the flow to its pillars: permeability, resistance, drag."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ import numpy as np
 
 from vasculo.errors import InputError
 from vasculo.flow.boundary import Periodic
+from vasculo.flow.faces import OPEN
 from vasculo.flow.read.forces import drag
 from vasculo.flow.stokes import solve_stokes
-from vasculo.measure.shape import axis_cosines, pillars
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from vasculo.flow.solution import Flow
+    from vasculo.geometry.arrays import Floats
     from vasculo.geometry.domain import Domain
     from vasculo.mesh.triangulation import Triangulation
 
-    Floats = NDArray[np.float64]
+ROUND_OFF = 1e-13
+"""Flow rates below this part of pressure range times area over viscosity are none."""
 
 BAND = 2.5
 """Cells within this many edge lengths of a side give its pressure."""
@@ -51,16 +51,103 @@ def permeability(domain: Domain, flow: Flow, inlet: str = "left", outlet: str = 
     InputError
         When there is no pressure drop between the two sides.
     """
-    first, upstream = _side(flow, inlet)
-    last, downstream = _side(flow, outlet)
-    drop = upstream - downstream
-    scale = float(np.ptp(flow.pressure))
-    if not abs(drop) > 1e-9 * scale:
-        raise InputError(f"no pressure drop from {inlet} to {outlet}: {upstream:.3g} and {downstream:.3g}")
+    drop = pressure_drop(flow, inlet, outlet)
     x0, y0, x1, y1 = domain.bounds
-    length = float(np.hypot(*(last - first)))
+    length = float(np.hypot(*(middle_of(domain, outlet) - middle_of(domain, inlet))))
     height = (x1 - x0) * (y1 - y0) / length
-    return flow.flow_rate(outlet) * flow.viscosity * length / (height * drop)
+    return passing_flow(flow, outlet) * flow.viscosity * length / (height * drop)
+
+
+def resistance(flow: Flow, inlet: str = "left", outlet: str = "right") -> float:
+    """Hydraulic resistance from inlet to outlet: the pressure drop over the flow rate out of `outlet`.
+
+    In proportion to the viscosity; eta L / (H K) with the permeability K.
+
+    Parameters
+    ----------
+    flow : Flow
+        A solved flow.
+    inlet, outlet : str
+        Names of two sides.
+
+    Returns
+    -------
+    float
+        Pressure times time per length squared (per unit depth); infinite when nothing flows out.
+
+    Raises
+    ------
+    InputError
+        When there is no pressure drop between the two sides.
+    """
+    drop, rate = pressure_drop(flow, inlet, outlet), passing_flow(flow, outlet)
+    return drop / rate if rate else float("inf")
+
+
+def passing_flow(flow: Flow, outlet: str = "right") -> float:
+    """Flow rate out of a side (area per time), exactly zero where it is no more than the round-off of the pressures."""
+    rate = flow.flow_rate(outlet)
+    scale = float(np.ptp(flow.pressure) * flow.mesh.areas.sum()) / flow.viscosity
+    return rate if abs(rate) > ROUND_OFF * scale else 0.0
+
+
+def pressure_drop(flow: Flow, inlet: str = "left", outlet: str = "right") -> float:
+    """Mean pressure at `inlet` over that at `outlet`: the prescribed one where there is one, else read from the cells.
+
+    Raises
+    ------
+    InputError
+        When there is none, or no such side.
+    """
+    upstream, downstream = _pressure_at(flow, inlet), _pressure_at(flow, outlet)
+    if not abs(upstream - downstream) > 1e-9 * float(np.ptp(flow.pressure)):
+        raise InputError(f"no pressure drop from {inlet} to {outlet}: {upstream:.3g} and {downstream:.3g}")
+    return upstream - downstream
+
+
+def flow_direction(domain: Domain, inlet: str = "left", outlet: str = "right") -> float:
+    """Direction of the mean flow: from the middle of the inlet to the middle of the outlet, degrees against x.
+
+    The mean velocity over the fluid points from where the flow enters on average to where it leaves on average; this is
+    the same for inlets and outlets that are used evenly, and it does not change while pillars move.
+
+    Parameters
+    ----------
+    domain : Domain
+        Any domain with two such sides.
+    inlet, outlet : str
+        Names of two sides.
+
+    Returns
+    -------
+    float
+        Above -180 and up to 180.
+
+    Raises
+    ------
+    InputError
+        When there is no such side, or both have the same middle.
+    """
+    way = middle_of(domain, outlet) - middle_of(domain, inlet)
+    if not np.hypot(*way) > 0.0:
+        raise InputError(f"the sides {inlet} and {outlet} have the same middle: there is no direction between them")
+    return float(np.degrees(np.arctan2(way[1], way[0])))
+
+
+def middle_of(domain: Domain, side: str) -> Floats:
+    """Middle of a side, mean over its length; (2,) float64, model length.
+
+    Raises
+    ------
+    InputError
+        When the domain has no such side.
+    """
+    mine = np.array([name == side for name in domain.sides])
+    if not mine.any():
+        raise InputError(f"no side is called {side!r}; the sides are {', '.join(domain.side_names)}")
+    starts, ends = domain.outer[mine], np.roll(domain.outer, -1, axis=0)[mine]
+    lengths = np.hypot(*(ends - starts).T)
+    return np.asarray(lengths @ (0.5 * (starts + ends)) / lengths.sum())
 
 
 def permeability_tensor(
@@ -109,38 +196,6 @@ def permeability_tensor(
     return np.asarray(velocity / abs(np.linalg.det(shifts)) @ shifts)
 
 
-def mean_wall_shear(flow: Flow) -> float:
-    """Mean of the absolute wall shear over the length of all pillar walls (force per length).
-
-    Raises
-    ------
-    InputError
-        When no pillar has a wall.
-    """
-    mine, lengths = _pillar_walls(flow)
-    return float(np.average(np.abs(flow.wall_shear[mine]), weights=lengths))
-
-
-def shear_ratio(flow: Flow) -> float:
-    """Unevenness of the shear between pillars: 95th over 5th percentile of their mean absolute wall shear.
-
-    Dimensionless, at least 1. Above about 20 the flow has left a part of the plexus.
-
-    Raises
-    ------
-    InputError
-        When no pillar has a wall, or the 5th percentile is zero.
-    """
-    mine, lengths = _pillar_walls(flow)
-    owner = flow.wall_pillar[mine]
-    total = np.bincount(owner, weights=lengths)
-    shear = np.bincount(owner, weights=lengths * np.abs(flow.wall_shear[mine]))
-    low, high = np.percentile(shear[total > 0.0] / total[total > 0.0], [5.0, 95.0])
-    if not low > 0.0:
-        raise InputError(f"the shear ratio needs flow past the pillars: 5th percentile {low:.3g}, 95th {high:.3g}")
-    return float(high / low)
-
-
 def pillar_drag(domain: Domain, flow: Flow, *, pressure: bool = True) -> Floats:
     """Force of the fluid on each pillar.
 
@@ -164,49 +219,20 @@ def pillar_drag(domain: Domain, flow: Flow, *, pressure: bool = True) -> Floats:
     return force
 
 
-def alignment(domain: Domain, flow: Flow) -> float:
-    """Order of the long axes against the local flow: the mean of cos 2 (orientation - direction of the friction drag).
+def _pressure_at(flow: Flow, name: str) -> float:
+    """Mean pressure on a side.
 
-    The fairer measure where paths of flow are oblique. The friction on a pillar points where the fluid slides past it;
-    the pressure part is left out, because it points down the pressure gradient, which in a network of tubules need not
-    be the way that the fluid goes. Every pillar counts once; pillars without friction are left out.
-
-    Parameters
-    ----------
-    domain : Domain
-        The domain of the flow.
-    flow : Flow
-        Its solution, with no-slip pillars.
-
-    Returns
-    -------
-    float
-        Dimensionless, -1 to 1.
-
-    Raises
-    ------
-    InputError
-        When no pillar is dragged.
+    Strategy: the prescribed one; without it a straight line through the pressures of the cells near the side, over
+    their distance from it.
     """
-    drag = pillar_drag(domain, flow, pressure=False)
-    size = np.hypot(drag[:, 0], drag[:, 1])
-    dragged = size > 1e-12 * size.max(initial=0.0)
-    if not dragged.any():
-        raise InputError(f"alignment needs a pillar with drag, none of {len(domain.pillars)} has any")
-    along = axis_cosines(pillars(domain), np.degrees(np.arctan2(drag[:, 1], drag[:, 0])))
-    return float(np.mean(along[dragged]))
-
-
-def _side(flow: Flow, name: str) -> tuple[Floats, float]:
-    """Middle of a side and the mean pressure on it.
-
-    Strategy: a straight line through the pressures of the cells near the side, over their distance from it.
-    """
-    mesh = flow.mesh
-    edges = mesh.boundary_edges[mesh.edge_of(name)]
-    ends = mesh.points[edges]
+    mesh, faces = flow.mesh, flow.faces
+    edges = mesh.edge_of(name)
+    ends = mesh.points[mesh.boundary_edges[edges]]
     step = ends[:, 1] - ends[:, 0]
     lengths = np.hypot(step[:, 0], step[:, 1])
+    face = faces.edge_face[edges]
+    if (faces.kind[face] == OPEN).all():
+        return faces.level + float(np.average(faces.opening[face - faces.inner], weights=lengths))
     middle = np.average(ends.mean(axis=1), axis=0, weights=lengths)
     normal = np.array([-step[:, 1].sum(), step[:, 0].sum()])
     distance = (mesh.centroids - middle) @ (normal / np.hypot(*normal))
@@ -214,13 +240,4 @@ def _side(flow: Flow, name: str) -> tuple[Floats, float]:
     weights = np.sqrt(mesh.areas[near])
     table = np.stack([np.ones(int(near.sum())), distance[near]], axis=1)
     fit, *_ = np.linalg.lstsq(table * weights[:, None], flow.pressure[near] * weights, rcond=None)
-    return middle, float(fit[0])
-
-
-def _pillar_walls(flow: Flow) -> tuple[NDArray[np.bool_], Floats]:
-    """Which wall edges belong to pillars, and their lengths."""
-    mine = flow.wall_pillar >= 0
-    if not mine.any():
-        raise InputError(f"no pillar has a wall: {len(flow.wall_edges)} wall edges, all on the outer boundary")
-    ends = flow.mesh.points[flow.wall_edges[mine]]
-    return mine, np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    return float(fit[0])

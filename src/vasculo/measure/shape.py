@@ -1,19 +1,17 @@
-"""Shape of pillars: size, elongation, direction, distance, chains."""
+"""Shape of pillars: size, elongation, direction, distance."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vasculo.errors import InputError
 from vasculo.geometry.neighbours import pillar_gaps
-from vasculo.geometry.outline import centroid, second_moments
+from vasculo.geometry.outline import following
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from vasculo.geometry.domain import Domain
@@ -65,26 +63,12 @@ class PillarTable:
         }
 
 
-@dataclass(frozen=True)
-class Chains:
-    """Chains: pillars that several original pillars have merged into.
+class Axes(NamedTuple):
+    """Centroid, aspect ratio and orientation of each pillar, as in `PillarTable`."""
 
-    Attributes
-    ----------
-    sizes : ndarray of int64, shape (p,)
-        Original pillars in each pillar; a chain has two or more.
-    lengths : ndarray of float64, shape (p,)
-        Extent of each pillar along its long axis (model length).
-    largest : int
-        Original pillars in the largest chain (1 when nothing has merged).
-    fraction : float
-        Share of the original pillars that are in chains, dimensionless.
-    """
-
-    sizes: NDArray[np.int64]
-    lengths: Floats
-    largest: int
-    fraction: float
+    centroid: Floats
+    aspect_ratio: Floats
+    orientation: Floats
 
 
 def pillars(domain: Domain) -> PillarTable:
@@ -105,17 +89,47 @@ def pillars(domain: Domain) -> PillarTable:
     With the second moments Mxx, Mxy, Myy of the area, orientation is atan2(2 Mxy, Mxx - Myy) / 2. That of a round
     pillar is arbitrary.
     """
-    count = len(domain.pillars)
-    moments = np.array([second_moments(outline) for outline in domain.pillars]).reshape(count, 2, 2)
-    mean = 0.5 * (moments[:, 0, 0] + moments[:, 1, 1])
-    half = 0.5 * (moments[:, 0, 0] - moments[:, 1, 1])
-    spread = np.hypot(half, moments[:, 0, 1])
+    shapes = axes(domain)
     return PillarTable(
         area=domain.pillar_areas.copy(),
-        centroid=np.array([centroid(outline) for outline in domain.pillars]).reshape(count, 2),
-        aspect_ratio=np.sqrt((mean + spread) / (mean - spread)),
-        orientation=np.degrees(0.5 * np.arctan2(moments[:, 0, 1], half)),
+        centroid=shapes.centroid,
+        aspect_ratio=shapes.aspect_ratio,
+        orientation=shapes.orientation,
         nearest_gap=pillar_gaps(domain.pillars),
+    )
+
+
+def axes(domain: Domain) -> Axes:
+    """Find centroid and principal axes of every pillar; the same numbers as in `pillars`, without the gaps."""
+    if not domain.pillars:
+        return Axes(np.empty((0, 2)), np.empty(0), np.empty(0))
+    # Strategy: all outlines behind one another, each about its first node and then about its centroid, so that no
+    # digits are lost far from the origin; areas and moments add up over the segments of each outline.
+    counts = np.array([len(outline) for outline in domain.pillars])
+    first = np.cumsum(counts) - counts
+    nodes, after = np.concatenate(domain.pillars), following(counts)
+    corner = nodes[first]
+    p = nodes - np.repeat(corner, counts, axis=0)
+    q = p[after]
+    cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+    twice = np.add.reduceat(cross, first)
+    middle = np.add.reduceat((p + q) * cross[:, None], first) / (3.0 * twice[:, None])
+    p -= np.repeat(middle, counts, axis=0)
+    q = p[after]
+    cross = (p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]) / np.repeat(12.0 * twice, counts)
+    both = p + q
+
+    def moment(i: int, j: int) -> Floats:
+        parts = p[:, i] * p[:, j] + q[:, i] * q[:, j] + both[:, i] * both[:, j]
+        return np.asarray(np.add.reduceat(cross * parts, first))
+
+    xx, xy, yy = moment(0, 0), moment(0, 1), moment(1, 1)
+    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    spread = np.hypot(half, xy)
+    return Axes(
+        centroid=corner + middle,
+        aspect_ratio=np.sqrt((mean + spread) / (mean - spread)),
+        orientation=np.degrees(0.5 * np.arctan2(xy, half)),
     )
 
 
@@ -142,11 +156,11 @@ def order(domain: Domain, direction: float = 0.0) -> float:
     InputError
         When the domain has no pillar.
     """
-    _require(domain, "order")
-    return float(np.mean(axis_cosines(pillars(domain), direction)))
+    require_pillars(domain, "order")
+    return float(np.mean(axis_cosines(axes(domain), direction)))
 
 
-def axis_cosines(table: PillarTable, directions: Floats | float) -> Floats:
+def axis_cosines(table: PillarTable | Axes, directions: Floats | float) -> Floats:
     """Give cos 2 (orientation - direction) of each pillar (p,), directions in degrees; 0 for a round one."""
     return np.where(table.aspect_ratio > ROUND, np.cos(2.0 * np.radians(table.orientation - directions)), 0.0)
 
@@ -159,49 +173,11 @@ def mean_gap(domain: Domain) -> float:
     InputError
         When the domain has no pillar.
     """
-    _require(domain, "mean_gap")
+    require_pillars(domain, "mean_gap")
     return float(np.mean(pillar_gaps(domain.pillars)))
 
 
-def chains(domain: Domain, lineage: Sequence[Sequence[int]] | None = None) -> Chains:
-    """Size and length of the chains that pillars have merged into.
-
-    Parameters
-    ----------
-    domain : Domain
-        At least one pillar.
-    lineage : sequence of sequences of int, optional
-        For each pillar the original pillars it is made of, as `remodel` reports them. Without it every pillar counts
-        as one original.
-
-    Returns
-    -------
-    Chains
-
-    Raises
-    ------
-    InputError
-        When the domain has no pillar, the lineage is not one entry a pillar, or an original appears twice or never.
-    """
-    _require(domain, "chains")
-    count = len(domain.pillars)
-    parents = [(index,) for index in range(count)] if lineage is None else [tuple(entry) for entry in lineage]
-    everyone = [original for entry in parents for original in entry]
-    if len(parents) != count or not all(parents) or len(set(everyone)) != len(everyone):
-        raise InputError(
-            f"lineage needs one entry for each of {count} pillars, none empty, each original once: got {len(parents)} "
-            f"entries with {len(everyone)} originals, {len(set(everyone))} of them different"
-        )
-    sizes = np.array([len(entry) for entry in parents], dtype=np.int64)
-    angles = np.radians(pillars(domain).orientation)
-    lengths = [
-        float(np.ptp(outline @ np.array([np.cos(angle), np.sin(angle)])))
-        for outline, angle in zip(domain.pillars, angles, strict=True)
-    ]
-    return Chains(sizes, np.array(lengths), int(sizes.max()), float(sizes[sizes > 1].sum() / sizes.sum()))
-
-
-def _require(domain: Domain, what: str) -> None:
+def require_pillars(domain: Domain, what: str) -> None:
     """Refuse domains without pillars."""
     if not domain.pillars:
         raise InputError(f"{what} needs at least one pillar, the domain has none")

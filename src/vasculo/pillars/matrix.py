@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+from scipy.spatial import cKDTree
 
+from vasculo.flow.read.locate import Locator
 from vasculo.mesh.matrix import matrix_springs
 
 if TYPE_CHECKING:
@@ -65,6 +66,17 @@ def lay_matrix(domain: Domain, spacing: float) -> Matrix:
     return Matrix(points, points, springs, triangles, pinned)
 
 
+def no_matrix(points: NDArray[np.float64]) -> Matrix:
+    """Leave the matrix out: membrane nodes (n, 2) only, which no spring holds."""
+    return Matrix(
+        points,
+        points,
+        np.zeros((0, 2), dtype=np.int32),
+        np.zeros((0, 3), dtype=np.int32),
+        np.zeros(len(points), dtype=np.bool_),
+    )
+
+
 def is_flat(matrix: Matrix) -> bool:
     """Whether a triangle has lost nine tenths of its area, or has turned over."""
     return bool((_areas(matrix.points, matrix.triangles) < FLAT * _areas(matrix.reference, matrix.triangles)).any())
@@ -86,15 +98,35 @@ def carry_over(old: Matrix, new: Matrix) -> Matrix:
         The new mesh with a reference that its points are displaced from as the old one's were.
     """
     moved = old.points - old.reference
-    displacement = LinearNDInterpolator(old.points, moved)(new.points)
-    lost = np.isnan(displacement).any(axis=1)
-    if lost.any():
-        displacement[lost] = NearestNDInterpolator(old.points, moved)(new.points[lost])
+    upright = _areas(old.points, old.triangles) > 1e-3 * _areas(old.reference, old.triangles)
+    old = replace(old, triangles=old.triangles[upright])
+    triangle, shares = Locator(old).find(new.points)
+    lost = np.flatnonzero(triangle < 0)  # new membrane nodes just off the old sides
+    if lost.size:
+        triangle[lost] = cKDTree(old.points[old.triangles].mean(axis=1)).query(new.points[lost])[1]
+        shares[lost] = _nearest_shares(old.points[old.triangles[triangle[lost]]], new.points[lost])
+    displacement = (moved[old.triangles[triangle]] * shares[:, :, None]).sum(axis=1)
     return Matrix(new.points, new.points - displacement, new.springs, new.triangles, new.pinned)
+
+
+def _nearest_shares(corners: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Barycentric coordinates (k, 3) of points beside triangles (k, 3, 2), brought back to the triangle."""
+    parts = np.stack(
+        [
+            _cross(corners[:, (i + 1) % 3] - points, corners[:, (i + 2) % 3] - points)
+            for i in range(3)
+        ],
+        axis=1,
+    )  # fmt: skip
+    inside = np.maximum(parts, 0.0)
+    return inside / inside.sum(axis=1, keepdims=True)
+
+
+def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    return u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
 
 
 def _areas(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
     """Signed areas; (t,) float64."""
     a, b, c = points[triangles[:, 0]], points[triangles[:, 1]], points[triangles[:, 2]]
-    u, v = b - a, c - a
-    return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    return 0.5 * _cross(b - a, c - a)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import ComputationError
-from vasculo.pillars.cell import filaments, side_lengths
-from vasculo.pillars.matrix import Matrix, carry_over, is_flat, lay_matrix
+from vasculo.pillars.cell import filaments, ring, side_lengths
+from vasculo.pillars.gaps import gap_factors
+from vasculo.pillars.matrix import Matrix, carry_over, is_flat, lay_matrix, no_matrix
 from vasculo.pillars.parameters import REFERENCE_ACTIVATION
 from vasculo.pillars.relax import Network, relax
 
@@ -60,8 +61,8 @@ def move(
 ) -> Motion:
     """Bring membranes, filaments and matrix to equilibrium and move each pillar by a capped part of it.
 
-    Filaments are laid anew at their present length in every step, so what they did before is kept as shape (ours: with
-    filaments that remember the first shape a disk stops at an aspect ratio of 1.2 to 1.6).
+    Without memory filaments are laid anew at their present length in every step, so what they did before is kept as
+    shape (ours: with filaments that remember the first shape a disk stops at an aspect ratio of 1.2 to 1.6).
 
     Parameters
     ----------
@@ -85,44 +86,22 @@ def move(
     """
     unit, starts, n = state.length_unit, state.starts, len(state.points)
     matrix = present_matrix(domain, state, parameters)
-    scaled = state.points / unit
-    interior, rest, stiffness, sums = starts[:1], np.zeros(0), np.zeros(0), np.zeros(n)
-    area_stiffness = bending = 0.0
-    if not parameters.is_hanging:
-        interior = starts
-        rest, stiffness, sums = filaments(
-            scaled, starts, activation, parameters.activation, parameters.filament_ratio, parameters.filament_reach
-        )
-        area_stiffness = parameters.area_stiffness
-        scale = abs(parameters.activation) / REFERENCE_ACTIVATION
-        bending = parameters.bending * scale / parameters.membrane_spacing**3
-    network = Network(
-        starts,
-        interior,
-        rest,
-        stiffness,
-        sums,
-        side_lengths(scaled, starts),
-        matrix.springs,
-        matrix.rest_lengths / unit,
-        state.rest_areas / unit**2,
-        area_stiffness,
-        bending,
-        loads,
-        matrix.pinned,
-    )
+    network = network_of(state, matrix, activation, loads, parameters)
     relaxed = relax(matrix.points / unit, network, TOLERANCE[parameters.cells])
     check(relaxed, state, parameters)
     shift = relaxed.points * unit - matrix.points
-    factors = cap_factors(shift[:n], starts, parameters.step_cap * parameters.membrane_spacing * unit)
+    factors = cap_factors(shift[:n], state.points, starts, parameters.step_cap * parameters.membrane_spacing * unit)
     if parameters.is_hanging:
         factors[:] = factors.min()  # one matrix holds all pillars, so that all take the same part of their way
+    capped = np.repeat(factors, np.diff(starts))[:, None] * shift[:n]
+    near = gap_factors(state.points, starts, capped)
+    factors *= near.min() if parameters.is_hanging else near
     factor = np.repeat(factors, np.diff(starts))
     moved = factor[:, None] * shift[:n]
     points = state.points + moved
     kept = None
-    if parameters.is_hanging:
-        around = matrix.points[n:] + factors[0] * shift[n:]
+    if parameters.remembers_matrix:
+        around = matrix.points[n:] + factors.min() * shift[n:]
         kept = Matrix(
             np.concatenate((points, around)), matrix.reference, matrix.springs, matrix.triangles, matrix.pinned
         )
@@ -130,10 +109,52 @@ def move(
     return Motion(points, kept, float(factor.mean()), displacement, relaxed.residual, relaxed.sweeps)
 
 
+def network_of(
+    state: RemodelState,
+    matrix: Matrix,
+    activation: NDArray[np.float64],
+    loads: NDArray[np.float64],
+    parameters: Angiogenesis,
+) -> Network:
+    """Gather the springs of one step; without interior the membranes remember what their matrix does."""
+    unit, starts, n = state.length_unit, state.starts, len(state.points)
+    hanging = parameters.is_hanging
+    free = matrix.reference[:n] if hanging else state.reference
+    strands, area_stiffness, bending = None, 0.0, 0.0
+    if not hanging:
+        strands = filaments(
+            state.points / unit,
+            state.reference / unit,
+            starts,
+            activation,
+            parameters.activation,
+            parameters.filament_ratio,
+            parameters.filament_reach,
+        )
+        area_stiffness = parameters.area_stiffness
+        scale = abs(parameters.activation) / REFERENCE_ACTIVATION
+        bending = parameters.bending * scale / parameters.membrane_spacing**3
+    return Network(
+        starts=starts,
+        filaments=strands,
+        membrane_rest=side_lengths(free, starts) / unit,
+        membrane_ratio=parameters.membrane_ratio,
+        springs=matrix.springs,
+        spring_rest=matrix.rest_lengths / unit,
+        rest_areas=state.rest_areas / unit**2,
+        area_stiffness=area_stiffness,
+        bending=bending,
+        loads=loads,
+        pinned=matrix.pinned,
+    )
+
+
 def present_matrix(domain: Domain, state: RemodelState, parameters: Angiogenesis) -> Matrix:
-    """Return the matrix of this step: free of stress around active cells, elastic around hanging ones."""
+    """Return the matrix of this step: free of stress, or with the stress that it remembers."""
+    if parameters.matrix == "none":
+        return no_matrix(state.points)
     spacing = parameters.matrix_spacing * state.length_unit
-    if not parameters.is_hanging or len(state.matrix_points) == 0:
+    if not parameters.remembers_matrix or len(state.matrix_points) == 0:
         return lay_matrix(domain, spacing)
     old = Matrix(
         state.matrix_points, state.matrix_reference, state.matrix_springs, state.matrix_triangles, state.matrix_pinned
@@ -144,9 +165,17 @@ def present_matrix(domain: Domain, state: RemodelState, parameters: Angiogenesis
     return carry_over(old, lay_matrix(domain, spacing))
 
 
-def cap_factors(shift: NDArray[np.float64], starts: NDArray[np.int32], cap: float) -> NDArray[np.float64]:
-    """Part of its shift that each pillar may take so that no node moves more than `cap`; (p,) float64, 0 to 1."""
-    largest = np.maximum.reduceat(np.hypot(shift[:, 0], shift[:, 1]), starts[:-1])
+def cap_factors(
+    shift: NDArray[np.float64], points: NDArray[np.float64], starts: NDArray[np.int32], cap: float
+) -> NDArray[np.float64]:
+    """Part of its shift that each pillar may take so that its outline moves by `cap` at most; (p,) float64, 0 to 1.
+
+    What counts is the motion across the membrane: nodes that slide along it change no shape.
+    """
+    previous, following = ring(starts)
+    along = points[following] - points[previous]
+    across = np.abs(along[:, 0] * shift[:, 1] - along[:, 1] * shift[:, 0]) / np.hypot(along[:, 0], along[:, 1])
+    largest = np.maximum.reduceat(across, starts[:-1])
     return np.minimum(1.0, cap / np.maximum(largest, cap))
 
 

@@ -5,19 +5,22 @@ All lengths are in R0 and all stiffnesses in that of a matrix spring.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
+
+from vasculo.pillars.coarse import coarse_grid
+from vasculo.pillars.sweeps import PIECE, damping_of, pulls_of, sweep
+from vasculo.springs.threads import run_team
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-TIME_STEP = 0.7  # below sqrt(2): the mass of a node is the sum of the stiffnesses that act on it
-DAMPING = 0.05  # D / M, near critical for a pillar that moves as a whole in the matrix
+    from vasculo.pillars.cell import Filaments
+
 CHECK_EVERY = 10  # sweeps between two looks at the velocities
+WORTH = 100_000  # filaments and springs that a thread is worth
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,14 +31,12 @@ class Network:
     ----------
     starts : (p + 1,) int32
         Membrane nodes of each pillar.
-    interior : (p + 1,) or (1,) int32
-        `starts`, or only its first entry when the pillars have no filaments.
-    filament_rest, filament_stiffness : (f,) float64
-        As made by `vasculo.pillars.cell.filaments`.
-    filament_sums : (n,) float64
-        Stiffness of all filaments at each membrane node.
+    filaments : Filaments or None
+        None when the pillars have no interior.
     membrane_rest : (n,) float64
         Length free of stress of the side from each membrane node to the next.
+    membrane_ratio : float
+        Stiffness of these sides.
     springs : (s, 2) int32
         Matrix springs.
     spring_rest : (s,) float64
@@ -45,15 +46,13 @@ class Network:
     loads : (n, 2) float64
         Constant forces on the membrane nodes.
     pinned : (m,) bool
-        Nodes that do not move.
+        Nodes that do not move; no membrane node is among them.
     """
 
     starts: NDArray[np.int32]
-    interior: NDArray[np.int32]
-    filament_rest: NDArray[np.float64]
-    filament_stiffness: NDArray[np.float64]
-    filament_sums: NDArray[np.float64]
+    filaments: Filaments | None
     membrane_rest: NDArray[np.float64]
+    membrane_ratio: float
     springs: NDArray[np.int32]
     spring_rest: NDArray[np.float64]
     rest_areas: NDArray[np.float64]
@@ -83,132 +82,8 @@ class Relaxed:
     converged: bool
 
 
-# No fastmath: freshly compiled and cached code then sum in different orders, and a run does not repeat to the bit.
-@njit(cache=True, error_model="numpy")
-def _add_filaments(x, y, interior, rest, stiffness, fx, fy):  # type: ignore[no-untyped-def]
-    q = 0
-    for k in range(interior.size - 1):
-        end = interior[k + 1]
-        for i in range(interior[k], end):
-            n = end - i - 1
-            xs, ys, fxs, fys = x[i + 1 : end], y[i + 1 : end], fx[i + 1 : end], fy[i + 1 : end]
-            ls, ks = rest[q : q + n], stiffness[q : q + n]
-            xi, yi, sx, sy = x[i], y[i], 0.0, 0.0
-            for j in range(n):
-                dx = xs[j] - xi
-                dy = ys[j] - yi
-                g = ks[j] * (1.0 - ls[j] / math.sqrt(dx * dx + dy * dy))
-                sx += g * dx
-                sy += g * dy
-                fxs[j] -= g * dx
-                fys[j] -= g * dy
-            fx[i] += sx
-            fy[i] += sy
-            q += n
-
-
-@njit(cache=True, error_model="numpy")
-def _add_membranes(x, y, starts, rest, rest_areas, area_stiffness, bending, fx, fy):  # type: ignore[no-untyped-def]
-    for k in range(starts.size - 1):
-        first, last = starts[k], starts[k + 1] - 1
-        area = 0.0
-        before = last
-        for i in range(first, last + 1):
-            area += 0.5 * (x[before] * y[i] - x[i] * y[before])
-            before = i
-        push = 0.5 * area_stiffness * (rest_areas[k] - area) / rest_areas[k]
-        before = last
-        for i in range(first, last + 1):
-            after = i + 1 if i < last else first
-            fx[i] += push * (y[after] - y[before])
-            fy[i] -= push * (x[after] - x[before])
-            bx = bending * (x[before] - 2.0 * x[i] + x[after])
-            by = bending * (y[before] - 2.0 * y[i] + y[after])
-            fx[i] += 2.0 * bx
-            fy[i] += 2.0 * by
-            dx = x[after] - x[i]
-            dy = y[after] - y[i]
-            g = 1.0 - rest[i] / math.sqrt(dx * dx + dy * dy)
-            fx[i] += g * dx
-            fy[i] += g * dy
-            fx[after] -= g * dx + bx
-            fy[after] -= g * dy + by
-            fx[before] -= bx
-            fy[before] -= by
-            before = i
-
-
-@njit(cache=True, error_model="numpy")
-def _relax(  # type: ignore[no-untyped-def]
-    points,
-    mass,
-    starts,
-    interior,
-    filament_rest,
-    filament_stiffness,
-    membrane_rest,
-    springs,
-    spring_rest,
-    rest_areas,
-    area_stiffness,
-    bending,
-    loads,
-    pinned,
-    tolerance,
-    max_sweeps,
-):
-    m, n = points.shape[0], loads.shape[0]
-    x, y, vx, vy, fx, fy = np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m), np.empty(m)
-    for i in range(m):
-        x[i], y[i], vx[i], vy[i] = points[i, 0], points[i, 1], 0.0, 0.0
-    scale = 1.0 / (1.0 + DAMPING * TIME_STEP)
-    first_force, force, converged, sweep = 0.0, 0.0, False, 0
-    while sweep < max_sweeps and not converged:
-        sweep += 1
-        for i in range(m):
-            fx[i] = loads[i, 0] if i < n else 0.0
-            fy[i] = loads[i, 1] if i < n else 0.0
-        _add_filaments(x, y, interior, filament_rest, filament_stiffness, fx, fy)
-        _add_membranes(x, y, starts, membrane_rest, rest_areas, area_stiffness, bending, fx, fy)
-        for s in range(springs.shape[0]):
-            i, j = springs[s, 0], springs[s, 1]
-            dx = x[j] - x[i]
-            dy = y[j] - y[i]
-            g = 1.0 - spring_rest[s] / math.sqrt(dx * dx + dy * dy)
-            fx[i] += g * dx
-            fy[i] += g * dy
-            fx[j] -= g * dx
-            fy[j] -= g * dy
-        check = sweep == 1 or sweep % CHECK_EVERY == 0 or sweep == max_sweeps
-        force, speed, move, total = 0.0, 0.0, 0.0, 0.0
-        for i in range(m):
-            if pinned[i]:
-                continue
-            vx[i] = (vx[i] + TIME_STEP / mass[i] * fx[i]) * scale
-            vy[i] = (vy[i] + TIME_STEP / mass[i] * fy[i]) * scale
-            x[i] += TIME_STEP * vx[i]
-            y[i] += TIME_STEP * vy[i]
-            if check:
-                force = max(force, fx[i] * fx[i] + fy[i] * fy[i])
-                speed = max(speed, vx[i] * vx[i] + vy[i] * vy[i])
-                move = max(move, (x[i] - points[i, 0]) ** 2 + (y[i] - points[i, 1]) ** 2)
-                total += x[i] + y[i]
-        if not math.isfinite(total):
-            break
-        if sweep == 1:
-            first_force = force
-            converged = move < 1e-24
-        elif check:
-            converged = speed <= tolerance * tolerance * move
-    residual = math.sqrt(force / first_force) if first_force > 0.0 else 0.0
-    result = np.empty((m, 2))
-    for i in range(m):
-        result[i, 0], result[i, 1] = x[i], y[i]
-    return result, sweep, residual, converged
-
-
 def node_masses(network: Network, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sum of the stiffnesses that act on each node, which makes the relaxation stable at a time step below sqrt(2).
+    """Sum of the stiffnesses that act on each node.
 
     Parameters
     ----------
@@ -223,19 +98,52 @@ def node_masses(network: Network, points: NDArray[np.float64]) -> NDArray[np.flo
     """
     starts, n = network.starts, len(network.loads)
     mass = np.bincount(network.springs.ravel(), minlength=len(points)).astype(np.float64)
-    mass[:n] += 2.0 + 8.0 * network.bending
+    mass[:n] += 2.0 * network.membrane_ratio + 8.0 * network.bending
     squares = np.add.reduceat(network.membrane_rest**2, starts[:-1])
     mass[:n] += np.repeat(network.area_stiffness * squares / network.rest_areas, np.diff(starts))
-    mass[:n] += network.filament_sums
+    if network.filaments is not None:
+        mass[:n] += network.filaments.sums
     mass[mass == 0.0] = 1.0
     return mass
+
+
+def rigid_masses(network: Network, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Centre, inverse mass and inverse moment of inertia of each pillar as a whole.
+
+    Nothing in a cell resists when it moves as a whole, so its mass is then only the sum of the stiffnesses of the
+    matrix springs at it.
+
+    Parameters
+    ----------
+    network : Network
+    points : (m, 2) float64
+        All nodes, R0.
+
+    Returns
+    -------
+    (p, 4) float64
+        Two coordinates, one over the mass, one over the moment of inertia; both 0 where no spring holds the pillar.
+    """
+    n, first = len(network.loads), network.starts[:-1]
+    weight = np.bincount(network.springs.ravel(), minlength=n)[:n].astype(np.float64)
+    mass = np.add.reduceat(weight, first)
+    held = mass > 0.0
+    safe = np.where(held, mass, 1.0)
+    centre = np.add.reduceat(weight[:, None] * points[:n], first) / safe[:, None]
+    arm = points[:n] - np.repeat(centre, np.diff(network.starts), axis=0)
+    inertia = np.add.reduceat(weight * (arm**2).sum(axis=1), first)
+    return np.column_stack((centre, held / safe, held / np.where(held, inertia, 1.0)))
 
 
 def relax(points: NDArray[np.float64], network: Network, tolerance: float, max_sweeps: int = 20_000) -> Relaxed:
     """Let all nodes move by eqs (2) and (3) until they rest.
 
-    The mass of a node is the sum of the stiffnesses at it (ours): the path to equilibrium is not physical, the
-    equilibrium is. It has come when no velocity exceeds `tolerance` times the largest displacement.
+    Masses and damping are ours: the path to equilibrium is not physical, the equilibrium is. The mass of a node is the
+    sum of the stiffnesses at it, that of a pillar as a whole the sum of those of the matrix springs at it; whole
+    neighbourhoods move by the stiffness that the matrix gives them on a coarse grid, so that the number of sweeps
+    hardly grows with that of the pillars. The damping of a sweep is critical for the present motion (adaptive dynamic
+    relaxation, Underwood 1983). Equilibrium has come when the way still to go, the velocity over the frequency for
+    which the damping is critical, is nowhere more than `tolerance` times the largest displacement.
 
     Parameters
     ----------
@@ -243,7 +151,7 @@ def relax(points: NDArray[np.float64], network: Network, tolerance: float, max_s
         All nodes at the start, R0; not changed.
     network : Network
     tolerance : float
-        Dimensionless.
+        Distance to equilibrium over largest displacement.
     max_sweeps : int
 
     Returns
@@ -251,22 +159,56 @@ def relax(points: NDArray[np.float64], network: Network, tolerance: float, max_s
     Relaxed
         ``converged`` is False after `max_sweeps`, or when a number is not finite.
     """
-    result, sweeps, residual, converged = _relax(
-        np.ascontiguousarray(points),
-        node_masses(network, points),
-        network.starts,
-        network.interior,
-        network.filament_rest,
-        network.filament_stiffness,
+    starts, m, n, p = network.starts, len(points), len(network.loads), len(network.starts) - 1
+    origin = np.ascontiguousarray(points)
+    x, y = origin.T.copy()
+    parts = p + -(-(m - n) // PIECE)
+    sums, looks = np.zeros((parts, 2)), np.zeros((parts, 3))
+    none = np.zeros(p + 1, dtype=np.int32)
+    interior = none, np.zeros((0, 3), dtype=np.int32), none.astype(np.int64), np.zeros(0), np.zeros(0)
+    if network.filaments is not None:
+        interior = network.filaments[:5]
+    work = interior[2] + starts
+    rigid = rigid_masses(network, points)
+    arguments = (
+        origin,
+        x,
+        y,
+        *np.zeros((4, 2, m)),
+        np.where(network.pinned, 0.0, 1.0 / node_masses(network, points)),
+        starts,
+        rigid,
+        work,
+        *interior,
         network.membrane_rest,
-        network.springs,
-        network.spring_rest,
+        float(network.membrane_ratio),
         network.rest_areas,
         float(network.area_stiffness),
         float(network.bending),
         np.ascontiguousarray(network.loads),
-        network.pinned,
-        float(tolerance),
-        max_sweeps,
+        network.springs,
+        network.spring_rest,
+        np.empty((2 * len(network.springs), 2)),
+        *pulls_of(network.springs, m),
+        sums,
+        looks,
+        np.empty((3, p)),
+        *coarse_grid(origin, rigid[:, :2], starts, network.springs, network.spring_rest, network.pinned),
     )
-    return Relaxed(result, int(sweeps), float(residual), bool(converged))
+    most = 1 + (int(work[-1]) + len(network.springs)) // WORTH
+    first_force, force, converged, sweeps = 0.0, 0.0, False, 0
+    while sweeps < max_sweeps and not converged:
+        wanted = 1 if sweeps == 0 else min(CHECK_EVERY - sweeps % CHECK_EVERY, max_sweeps - sweeps)
+        done = run_team(sweep, most, np.zeros(1, dtype=np.int64), wanted, *arguments)
+        sweeps += done
+        damping = damping_of(sums)
+        if done < wanted or not np.isfinite(damping):
+            break
+        move, speed, force = (float(value) for value in np.sqrt(looks.max(axis=0)))
+        if sweeps == 1:
+            first_force = force
+            converged = move < 1e-12
+        else:
+            converged = 2.0 * speed <= tolerance * damping * move
+    residual = force / first_force if first_force > 0.0 else 0.0
+    return Relaxed(np.column_stack((x, y)), sweeps, residual, converged)

@@ -17,31 +17,15 @@ if TYPE_CHECKING:
     from vasculo.flow.solution import Flow
     from vasculo.geometry.domain import Domain
     from vasculo.mesh.triangulation import Triangulation
+    from vasculo.pillars.events import Event
+    from vasculo.pillars.parameters import Angiogenesis
 
 Lineage = tuple[tuple[int, ...], ...]
 
-_COUNTS = ("step", "merges_total")
-_NUMBERS = ("time", "length_unit", "shear_unit")
+_COUNTS = ("step", "merges_total", "next_pillar", "quiet_steps")
+_NUMBERS = ("time", "length_unit", "shear_unit", "shear_ratio")
+_FLAGS = ("touching", "matrix_pinned")
 _INTEGERS = ("starts", "members", "member_starts", "matrix_springs", "matrix_triangles")
-
-
-@dataclass(frozen=True, slots=True)
-class Merge:
-    """Two pillars that became one.
-
-    Attributes
-    ----------
-    step : int
-        Step at whose end they merged.
-    pillars : tuple of tuple of int
-        The two pillars, each as the sorted indices of the original pillars in it.
-    angle : float
-        Direction between their centroids, degrees against x, in (-90, 90].
-    """
-
-    step: int
-    pillars: tuple[tuple[int, ...], tuple[int, ...]]
-    angle: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,16 +42,28 @@ class RemodelState:
         Mean pillar radius R0 at the start, model length.
     shear_unit : float
         Mean wall shear at the start, model pressure.
+    shear_ratio : float
+        95th over 5th percentile of the pillars' mean shears at this step.
     points : (n, 2) float64
         Membrane nodes, pillar after pillar, each counter-clockwise, model length.
+    reference : (n, 2) float64
+        Where the filaments between them are free of stress, model length; the same without memory.
     starts : (p + 1,) int32
         Pillar `k` owns the nodes ``starts[k]`` to ``starts[k + 1]``.
     rest_areas : (p,) float64
         Areas that the area pressure restores, model length squared.
     members, member_starts : (n0,) and (p + 1,) int32
         Original pillars in each pillar, in the same layout.
+    touching : (p,) bool
+        Pillars that have joined a closed side, now or before.
     merges_total : int
         Merges so far.
+    next_pillar : int
+        Number of the next pillar that parts from another.
+    quiet_steps : int
+        Steps in a row in which hardly anything moved.
+    mesh_points : (n, 2) float64
+        Membrane nodes of the step in which a carried flow mesh was last made anew; empty when it is to be made anew.
     matrix_points, matrix_reference : (m, 2) float64
         Nodes of an elastic matrix now and free of stress, membrane nodes first; empty when the matrix is plastic.
     matrix_springs, matrix_triangles : (s, 2) and (t, 3) int32
@@ -80,12 +76,18 @@ class RemodelState:
     time: float
     length_unit: float
     shear_unit: float
+    shear_ratio: float
     points: NDArray[np.float64]
+    reference: NDArray[np.float64]
     starts: NDArray[np.int32]
     rest_areas: NDArray[np.float64]
     members: NDArray[np.int32]
     member_starts: NDArray[np.int32]
+    touching: NDArray[np.bool_]
     merges_total: int
+    next_pillar: int
+    quiet_steps: int
+    mesh_points: NDArray[np.float64]
     matrix_points: NDArray[np.float64]
     matrix_reference: NDArray[np.float64]
     matrix_springs: NDArray[np.int32]
@@ -127,7 +129,7 @@ class RemodelState:
                 values[field.name] = float(value)
             elif field.name in _INTEGERS:
                 values[field.name] = np.ascontiguousarray(value, dtype=np.int32)
-            elif field.name == "matrix_pinned":
+            elif field.name in _FLAGS:
                 values[field.name] = np.ascontiguousarray(value, dtype=np.bool_)
             else:
                 values[field.name] = np.ascontiguousarray(value, dtype=np.float64)
@@ -142,8 +144,10 @@ class RemodelStep:
     ----------
     step : int
         From 0 to `Angiogenesis.steps`.
-    steps_total : int
-        `Angiogenesis.steps`.
+    parameters : Angiogenesis
+        Of the run.
+    is_last : bool
+        Whether the run ends with this step.
     time : float
         Accumulated activation strain (effective steps when the cells hang), dimensionless.
     domain : Domain
@@ -158,8 +162,8 @@ class RemodelStep:
         Magnitude of the wall shear at each membrane node, model pressure.
     lineage : tuple of tuple of int
         Original pillars in each pillar.
-    merges : tuple of Merge
-        Merges at the end of this step.
+    events : tuple of Event
+        What happened at the end of this step.
     merges_total : int
         Merges since the start.
     shear_ratio : float
@@ -179,7 +183,8 @@ class RemodelStep:
     """
 
     step: int
-    steps_total: int
+    parameters: Angiogenesis
+    is_last: bool
     time: float
     domain: Domain
     mesh: Triangulation
@@ -187,7 +192,7 @@ class RemodelStep:
     activation: list[NDArray[np.float64]]
     node_shear: list[NDArray[np.float64]]
     lineage: Lineage
-    merges: tuple[Merge, ...]
+    events: tuple[Event, ...]
     merges_total: int
     shear_ratio: float
     residual: float
@@ -196,3 +201,13 @@ class RemodelStep:
     seconds: float
     seconds_by_part: dict[str, float]
     state: RemodelState
+
+    @property
+    def steps_total(self) -> int:
+        """Steps that the run takes at most."""
+        return self.parameters.steps
+
+    @property
+    def merges(self) -> tuple[Event, ...]:
+        """Merges at the end of this step."""
+        return tuple(event for event in self.events if event.kind == "merge")

@@ -1,4 +1,7 @@
-"""The checkpoint of a run: all it needs to go on to the same numbers, in one file that is always whole."""
+"""The checkpoint of a run: what its finished stages leave to the next, in one file that is always whole.
+
+Within the angiogenesis a run goes on from the last state in its record.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import h5py
+import numpy as np
 
 from vasculo.errors import InputError
 from vasculo.geometry.domain import Domain
-from vasculo.pillars.state import RemodelState
 from vasculo.springs.network import SpringNetwork
 from vasculo.store.guarded import uninterrupted
 from vasculo.store.record import first_line
@@ -20,7 +23,7 @@ from vasculo.store.table import write_whole
 if TYPE_CHECKING:
     from pathlib import Path
 
-FORMAT = 1
+FORMAT = 2
 _NODES = ("points", "velocities", "masses", "pinned", "reference")
 _NETWORK = (*_NODES, "springs", "rest_lengths", "stiffness", "triangles", "box")
 
@@ -34,17 +37,15 @@ class Checkpoint:
     settings : str
         The resolved study, as TOML.
     frames : int
-        Frames in the record at this point.
+        Frames in the record behind the last finished stage.
     stages : list of dict
         Finished stages, in order: name, seconds, peak memory, what came out.
     plexus : SpringNetwork, optional
         The remodelled tissue, once there.
     domain : Domain, optional
         The domain before the remodelling, once there.
-    state : RemodelState, optional
-        The remodelling after its last step, once begun.
-    seconds : float
-        Wall time spent on the unfinished stage so far.
+    laws : str
+        Text of the Python file that the study uses; empty when there is none.
     """
 
     settings: str
@@ -52,8 +53,7 @@ class Checkpoint:
     stages: list[dict[str, Any]] = field(default_factory=list)
     plexus: SpringNetwork | None = None
     domain: Domain | None = None
-    state: RemodelState | None = None
-    seconds: float = 0.0
+    laws: str = ""
 
     def save(self, path: Path) -> None:
         """Write the checkpoint; the one before stays until this one is whole.
@@ -70,9 +70,10 @@ class Checkpoint:
             write_whole(path, memory.getvalue())
 
     def _write(self, file: h5py.File) -> None:
-        file.attrs.update({"format": FORMAT, "frames": self.frames, "seconds": self.seconds})
+        file.attrs.update({"format": FORMAT, "frames": self.frames})
         file["settings"] = self.settings
         file["stages"] = json.dumps(self.stages)
+        file["laws"] = self.laws
         if self.plexus is not None:
             group = file.create_group("plexus")
             group.attrs.update({"damping": self.plexus.damping, "tether": self.plexus.tether})
@@ -83,12 +84,8 @@ class Checkpoint:
             group = file.create_group("domain")
             group["outer"] = self.domain.outer
             group["sides"] = json.dumps(self.domain.sides)
-            for number, pillar in enumerate(self.domain.pillars):
-                group[f"pillars/{number:06d}"] = pillar
-        if self.state is not None:
-            group = file.create_group("state")
-            for name, array in self.state.arrays().items():
-                group[name] = array
+            group["pillars"] = np.concatenate([*self.domain.pillars, np.empty((0, 2))])
+            group["sizes"] = np.array([len(pillar) for pillar in self.domain.pillars], dtype=np.int64)
 
     @classmethod
     def load(cls, path: Path) -> Checkpoint:
@@ -105,7 +102,8 @@ class Checkpoint:
             with h5py.File(path) as file:
                 if file.attrs["format"] != FORMAT:
                     raise InputError(
-                        f"{path} has checkpoint format {file.attrs['format']}, this version reads {FORMAT}"
+                        f"{path} has checkpoint format {file.attrs['format']}, this version reads {FORMAT}: "
+                        f"the run can be looked at but not continued, start it anew in another folder"
                     )
                 return cls(
                     settings=file["settings"].asstr()[()],
@@ -113,8 +111,7 @@ class Checkpoint:
                     stages=json.loads(file["stages"].asstr()[()]),
                     plexus=_network(file["plexus"]) if "plexus" in file else None,
                     domain=_domain(file["domain"]) if "domain" in file else None,
-                    state=_state(file["state"]) if "state" in file else None,
-                    seconds=float(file.attrs["seconds"]),
+                    laws=file["laws"].asstr()[()],
                 )
         except (OSError, KeyError) as error:
             raise InputError(f"{path} is no readable checkpoint ({first_line(error)}): start the run anew") from None
@@ -141,9 +138,5 @@ def _network(group: h5py.Group) -> SpringNetwork:
 
 
 def _domain(group: h5py.Group) -> Domain:
-    pillars = [group["pillars"][name][:] for name in sorted(group["pillars"])] if "pillars" in group else []
+    pillars = np.split(group["pillars"][:], np.cumsum(group["sizes"][:]))[:-1]
     return Domain(group["outer"][:], pillars, json.loads(group["sides"].asstr()[()]))
-
-
-def _state(group: h5py.Group) -> RemodelState:
-    return RemodelState.from_arrays({name: data[()] for name, data in group.items()})

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from vasculo.flow.solution import Flow
     from vasculo.mesh.triangulation import Triangulation
-    from vasculo.pillars.state import Merge, RemodelStep
+    from vasculo.pillars.state import RemodelStep
 
 SPRING, FLUID, BOUNDARY = 0, 1, 2
 """Values of the cell array `kind`."""
@@ -62,7 +62,7 @@ def flow_frame(mesh: Triangulation, flow: Flow) -> GridFrame:
     )
 
 
-def outlines(step: RemodelStep, merges: Sequence[Merge]) -> dict[str, NDArray[Any]]:
+def outlines(step: RemodelStep) -> dict[str, NDArray[Any]]:
     """Gather the pillars of a step end to end, with what their membranes sense and where they come from."""
     members = [np.array(group, dtype=np.int32) for group in step.lineage]
     pillars = step.domain.pillars
@@ -73,7 +73,6 @@ def outlines(step: RemodelStep, merges: Sequence[Merge]) -> dict[str, NDArray[An
         "node_shear": _joined(step.node_shear, np.empty(0)),
         "members": _joined(members, np.empty(0, dtype=np.int32)),
         "member_sizes": np.array([len(group) for group in members], dtype=np.int32),
-        "merge_angles": np.array([merge.angle for merge in merges], dtype=np.float64),
     }
 
 

@@ -2,7 +2,8 @@
 
 HDF5 cannot close a file whose last writes failed; it crashes instead. So the first failed write is noted, and from then
 on nothing more is written, and the library closes in peace. It also writes over what is there long before it is done:
-so those bytes are kept until the flush is over, and put back when a write failed.
+so those bytes are kept until the flush is over, and put back when a write failed. They are kept in a file too, so that
+a process that is killed in the midst leaves a record that the next one can put in order.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import fcntl
 import io
 import os
 import signal
+import struct
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
@@ -19,6 +21,28 @@ from vasculo.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+
+_PIECE = struct.Struct("<qq")  # where bytes were written over, and how many
+
+Pieces = list[tuple[int, bytes]]
+
+
+def undo_path(path: Path) -> Path:
+    """File beside a guarded one that holds what was written over since its last flush."""
+    return path.with_name(f".{path.name}.undo")
+
+
+def mend(path: Path) -> None:
+    """Bring a file whose writer was killed back to its last flush.
+
+    Raises
+    ------
+    InputError
+        When another process is writing the file.
+    """
+    if undo_path(path).exists():
+        GuardedFile(path, "r+").close()
 
 
 class GuardedFile(io.RawIOBase):
@@ -45,14 +69,18 @@ class GuardedFile(io.RawIOBase):
     def __init__(self, path: Path, mode: str) -> None:
         self.path = path
         self.failure: OSError | None = None
-        self._undo: list[tuple[int, bytes]] = []  # what was written over since the last flush: where, and what it was
+        self._journal: io.FileIO | None = None  # made once the file is ours
+        self._undo: Pieces = []  # what was written over since the last flush: where, and what it was
         self._file = path.open("xb+" if mode == "x" else "rb+", buffering=0)
-        self._size = os.fstat(self._file.fileno()).st_size  # at the last flush
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             self._file.close()
             raise InputError(f"{path} is being written by another run: wait for its end") from None
+        if mode != "x" and (left := _left_behind(undo_path(path))) is not None:
+            _put_back(self._file.fileno(), *left)
+        self._size = os.fstat(self._file.fileno()).st_size  # at the last flush
+        self._journal = undo_path(path).open("wb", buffering=0)
 
     def check(self) -> None:
         """Take what was written as good; or bring the last flush back and raise the write error, if there was one."""
@@ -118,6 +146,9 @@ class GuardedFile(io.RawIOBase):
         """Close the file, as the last flush left it when a write failed, and give up the lock."""
         try:
             self._settle()
+            if self._journal is not None and not self._journal.closed:
+                undo_path(self.path).unlink(missing_ok=True)
+                self._journal.close()
         finally:
             self._file.close()
             super().close()
@@ -126,7 +157,11 @@ class GuardedFile(io.RawIOBase):
         """Note the bytes from `start` to `end`, as far as the last flush had them, before they are lost."""
         end = min(end, self._size)
         if start < end:
-            self._undo.append((start, os.pread(self._file.fileno(), end - start, start)))
+            data = os.pread(self._file.fileno(), end - start, start)
+            head = b"" if self._undo else _PIECE.pack(self._size, 0)
+            if self._journal is not None:
+                self._journal.write(head + _PIECE.pack(start, len(data)) + data)
+            self._undo.append((start, data))
 
     def _settle(self) -> None:
         """Forget what was written over; after a failed write put it back, the latest first."""
@@ -137,16 +172,41 @@ class GuardedFile(io.RawIOBase):
             self._size = os.fstat(number).st_size
         else:
             with suppress(OSError):  # the first error is the one to tell
-                os.ftruncate(number, self._size)
-                for start, data in reversed(self._undo):
-                    os.pwrite(number, data, start)
+                _put_back(number, self._size, self._undo)
+        if self._undo and self._journal is not None:
+            self._journal.seek(0)
+            self._journal.truncate()
         self._undo.clear()
+
+
+def _put_back(number: int, size: int, pieces: Pieces) -> None:
+    """Bring an open file back to an earlier size and content, the latest piece first."""
+    os.ftruncate(number, size)
+    for start, data in reversed(pieces):
+        os.pwrite(number, data, start)
+
+
+def _left_behind(path: Path) -> tuple[int, Pieces] | None:
+    """Read what a killed process left: the size of the last flush, and the whole pieces; None when it left nothing."""
+    content = path.read_bytes() if path.exists() else b""
+    if len(content) < 2 * _PIECE.size:
+        return None
+    size, _ = _PIECE.unpack_from(content)
+    pieces, at = [], _PIECE.size
+    while at + _PIECE.size <= len(content):
+        start, count = _PIECE.unpack_from(content, at)
+        at += _PIECE.size
+        if at + count > len(content):  # killed before these bytes were written over
+            break
+        pieces.append((start, content[at : at + count]))
+        at += count
+    return size, pieces
 
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Hold Ctrl-C back until the block is done, so that it cannot cut a write in half."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    """Hold Ctrl-C and SIGTERM back until the block is done, so that they cannot cut a write in half."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
     finally:

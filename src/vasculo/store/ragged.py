@@ -9,7 +9,7 @@ import numpy as np
 from vasculo.store.vtkhdf import extend
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Container, Mapping
 
     import h5py
     from numpy.typing import NDArray
@@ -37,11 +37,12 @@ class Ragged:
             start = extend(self.group, name, np.asarray(rows))
             extend(self.ends, name, np.array([start + len(rows)]))
 
-    def read(self, index: int) -> dict[str, NDArray[Any]]:
-        """Read frame `index`, counted from 0."""
+    def read(self, index: int, wanted: Container[str] | None = None) -> dict[str, NDArray[Any]]:
+        """Read frame `index`, counted from 0; only the arrays named, or all."""
         return {
             name: self.group[name][int(ends[index - 1]) if index else 0 : int(ends[index])]
             for name, ends in self.ends.items()
+            if wanted is None or name in wanted
         }
 
     def truncate(self, frames: int) -> None:

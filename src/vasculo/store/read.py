@@ -16,16 +16,22 @@ import numpy as np
 from vasculo.errors import InputError
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.triangulation import Triangulation
+from vasculo.pillars.events import Event
+from vasculo.store.events import events_of
 from vasculo.store.frames import BOUNDARY
+from vasculo.store.guarded import mend
 from vasculo.store.ragged import Ragged
-from vasculo.store.record import FORMAT, first_line
+from vasculo.store.record import READABLE, first_line
+from vasculo.store.states import state_of
 from vasculo.store.table import COLUMNS, STAGES
 from vasculo.store.vtkhdf import TransientGrid
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Container, Iterator
 
     from numpy.typing import NDArray
+
+    from vasculo.pillars.state import RemodelState
 
 RECORD = "run.vtkhdf"
 CHECKPOINT = "checkpoint.h5"
@@ -114,15 +120,21 @@ class Pillars:
         Original pillars in each.
     activation, node_shear : list of (k,) float64
         Activation (-1 to 1) and magnitude of the wall shear at each node.
-    merge_angles : (m,) float64
-        Directions of the mergers of this step, degrees against x.
+    events : tuple of Event
+        What happened since the recorded step before; of records of format 1 the mergers only, without place and
+        pillars.
     """
 
     outlines: list[NDArray[np.float64]]
     lineage: tuple[tuple[int, ...], ...]
     activation: list[NDArray[np.float64]]
     node_shear: list[NDArray[np.float64]]
-    merge_angles: NDArray[np.float64]
+    events: tuple[Event, ...]
+
+    @property
+    def merge_angles(self) -> NDArray[np.float64]:
+        """Directions of the mergers among the events, degrees against x; (m,) float64."""
+        return np.array([event.angle for event in self.events if event.kind == "merge"], dtype=np.float64)
 
 
 class Run:
@@ -138,6 +150,8 @@ class Run:
         Whether the run came to its end.
     version : str
         Version of the program that made it.
+    id : str
+        Name of the run that no other has, 12 hexadecimal digits; empty for records of format 1.
     settings : dict
         The resolved study, as read from its TOML text.
     frames : tuple of Frame
@@ -151,10 +165,12 @@ class Run:
         self.folder = path.parent
         with h5py.File(path) as file:
             run = file["run"]
-            if run.attrs["format"] != FORMAT:
-                raise InputError(f"{path} has record format {run.attrs['format']}, this version reads format {FORMAT}")
+            if run.attrs["format"] not in READABLE:
+                known = " and ".join(map(str, READABLE))
+                raise InputError(f"{path} has record format {run.attrs['format']}, this version reads format {known}")
             self.complete = bool(run.attrs["complete"])
             self.version = str(run.attrs["version"])
+            self.id = str(run.attrs.get("id", ""))
             self.settings_text = run["settings"].asstr()[()]
             count = len(TransientGrid(file["VTKHDF"]))
             columns = {name: run["metrics"][name][:count] for name in COLUMNS if name in run["metrics"]}
@@ -219,16 +235,46 @@ class Run:
 
     def pillars(self, step: int | None = None) -> Pillars:
         """Pillars at a step of the angiogenesis, the last one when `step` is None."""
-        first = self.frame("angiogenesis").index + 1 - len(self.steps("angiogenesis"))
-        data = self._read(lambda file, i: Ragged(file["run/pillars"]).read(i - first), "angiogenesis", step)
-        members = _split(data["members"], data["member_sizes"])
+        data = self._rows("pillars", step)
         return Pillars(
             outlines=_split(data["points"], data["sizes"]),
-            lineage=tuple(tuple(int(i) for i in group) for group in members),
+            lineage=_lineage(data),
             activation=_split(data["activation"], data["sizes"]),
             node_shear=_split(data["node_shear"], data["sizes"]),
-            merge_angles=data["merge_angles"],
+            events=self._events(step),
         )
+
+    def lineage(self, step: int | None = None) -> tuple[tuple[int, ...], ...]:
+        """Original pillars in each pillar at a step of the angiogenesis, the last one when `step` is None."""
+        return _lineage(self._rows("pillars", step, {"members", "member_sizes"}))
+
+    @cached_property
+    def events(self) -> tuple[Event, ...]:
+        """All that happened to pillars in the angiogenesis, in order; of records of format 1 the mergers only."""
+        return tuple(event for step in self.steps() for event in self._events(step))
+
+    def state(self, step: int | None = None) -> RemodelState:
+        """Return the state of the angiogenesis at a step, the last one when `step` is None: `remodel` goes on from it.
+
+        Raises
+        ------
+        InputError
+            When the record is of format 1, which holds none.
+        """
+        if not self._holds("states/ends/scalars"):
+            raise InputError(f"{self.path} holds no states to go on from: it is of an earlier version")
+        with _reading(self.path, " in its states"), h5py.File(self.path) as file:
+            scalars = tuple(json.loads(file["run/states"].attrs["scalars"]))
+        frame = self._rows("pillars", step, {"points", "sizes", "members", "member_sizes"})
+        return state_of(self._rows("states", step), scalars, frame)
+
+    def _events(self, step: int | None) -> tuple[Event, ...]:
+        """Events between a recorded step and the one before it."""
+        if self._holds("events/ends/step"):
+            return events_of(self._rows("events", step))
+        frame, nowhere = self.frame("angiogenesis", step), (np.nan, np.nan)
+        angles = self._rows("pillars", step, {"merge_angles"})["merge_angles"].tolist()
+        return tuple(Event(frame.step, frame.time, "merge", nowhere, (), angle) for angle in angles)
 
     def domain(self, step: int | None = None) -> Domain:
         """Domain at a step of the angiogenesis, the last one when `step` is None."""
@@ -241,10 +287,7 @@ class Run:
 
     def facts(self, name: str) -> Any:  # whatever was stored: numbers and words
         """Return stored facts by name ("extraction", "stages", ...), an empty dict when there are none."""
-        with _reading(self.path, f" in its {name}"), h5py.File(self.path) as file:
-            if name not in file["run"]:
-                return {}
-        return self._fact(name)
+        return self._fact(name) if self._holds(name) else {}
 
     @cached_property
     def period(self) -> tuple[float, float] | None:
@@ -259,6 +302,15 @@ class Run:
     def _fact(self, name: str) -> Any:  # whatever was stored
         with _reading(self.path, f" in its {name}"), h5py.File(self.path) as file:
             return json.loads(str(file[f"run/{name}"].asstr()[()]))
+
+    def _holds(self, name: str) -> bool:
+        with _reading(self.path, f" in its {name}"), h5py.File(self.path) as file:
+            return f"run/{name}" in file
+
+    def _rows(self, group: str, step: int | None, wanted: Container[str] | None = None) -> dict[str, NDArray[Any]]:
+        """Read arrays of a step of the angiogenesis from a group of ragged arrays."""
+        first = self.frame("angiogenesis").index + 1 - len(self.steps("angiogenesis"))
+        return self._read(lambda file, i: Ragged(file[f"run/{group}"]).read(i - first, wanted), "angiogenesis", step)
 
     def _read(self, read: Callable[[h5py.File, int], Any], stage: str, step: int | None) -> Any:
         """Read one frame, with the file open for just that long."""
@@ -290,6 +342,7 @@ def open_run(path: str | Path) -> Run:
     if not record.is_file():
         raise InputError(f"{given} holds no run: there is no {RECORD}; `vasculo run --out {given}` would make one")
     try:
+        mend(record)
         return Run(record)
     except BlockingIOError:
         raise InputError(f"{record} is being written by a run that goes on: wait for its end") from None
@@ -312,6 +365,10 @@ def _reading(path: Path, where: str) -> Iterator[None]:
         raise InputError(
             f"{path} is damaged{where} ({first_line(error)}): bring back a sound copy, or run the study anew"
         ) from None
+
+
+def _lineage(rows: dict[str, NDArray[Any]]) -> tuple[tuple[int, ...], ...]:
+    return tuple(tuple(group.tolist()) for group in _split(rows["members"], rows["member_sizes"]))
 
 
 def _split(rows: NDArray[Any], sizes: NDArray[np.int32]) -> list[NDArray[Any]]:

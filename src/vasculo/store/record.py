@@ -1,7 +1,8 @@
 """The record of a run: one VTKHDF file that grows by a frame a recorded step.
 
 The group `VTKHDF` is what ParaView and pyvista show: springs as lines, the flow mesh as triangles, its boundary as
-lines. The group `run` holds what they have no place for: the study, the domain, pillar outlines, lineage, the table.
+lines. The group `run` holds what they have no place for: the study, the domain, pillar outlines, lineage, events, the
+states to go on from, the table.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import secrets
 import shutil
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -17,9 +19,11 @@ import h5py
 import numpy as np
 
 from vasculo.errors import InputError
+from vasculo.store.events import event_rows
 from vasculo.store.frames import flow_frame, outlines, spring_frame
 from vasculo.store.guarded import GuardedFile, uninterrupted
 from vasculo.store.ragged import Ragged
+from vasculo.store.states import SCALARS, state_rows
 from vasculo.store.table import COLUMNS, STAGES, Row
 from vasculo.store.vtkhdf import GridFrame, TransientGrid, extend
 
@@ -30,9 +34,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.geometry.domain import Domain
-    from vasculo.pillars.state import Merge, RemodelStep
+    from vasculo.pillars.events import Event
+    from vasculo.pillars.state import RemodelStep
 
-FORMAT = 1
+FORMAT, READABLE = 2, (1, 2)
+"""Format that is written, and those that can be read; an older one cannot be continued."""
+
+_REMODELLING = ("pillars", "events", "states")
 _LAYOUT = ("VTKHDF", "run", "run/metrics", "run/pillars")
 _ROOM = 4 * 2**20  # bytes that must stay free on the disk beyond what a frame needs
 
@@ -54,7 +62,7 @@ class Record:
         self._file = file
         self._run = file["run"]
         self._grid = TransientGrid(file["VTKHDF"])
-        self._pillars = Ragged(self._run["pillars"])
+        self._remodelling = {name: Ragged(self._run.require_group(name)) for name in _REMODELLING}
 
     @classmethod
     def create(cls, path: Path, settings: str, version: str) -> Record:
@@ -74,10 +82,11 @@ class Record:
         try:
             file.create_group("VTKHDF")
             run = file.create_group("run")
-            run.attrs.update({"format": FORMAT, "complete": 0, "version": version})
+            run.attrs.update({"format": FORMAT, "complete": 0, "version": version, "id": new_id()})
             run.create_dataset("settings", data=settings)
-            for name in ("pillars", "metrics"):
+            for name in ("metrics", *_REMODELLING):
                 run.create_group(name)
+            run["states"].attrs["scalars"] = json.dumps(SCALARS)
             record = cls(file, guard)
             record._flush()
         except BaseException:
@@ -93,9 +102,16 @@ class Record:
         Raises
         ------
         InputError
-            When the file is damaged or holds fewer frames.
+            When the file is damaged, of an older format, or holds fewer frames.
         """
         record = cls._open(path, "continued")
+        found = int(record._run.attrs["format"])  # noqa: SLF001  # one of this class
+        if found != FORMAT:
+            record.close()
+            raise InputError(
+                f"{path} has record format {found}, which can be read but not continued: "
+                f"start the run anew in another folder"
+            )
         if len(record) < frames:
             found = len(record)
             record.close()
@@ -158,9 +174,19 @@ class Record:
         """
         self._add("vasculogenesis", row, spring_frame(points, velocities, springs, forces))
 
-    def add_flow(self, row: Row, step: RemodelStep, merges: Sequence[Merge]) -> None:
-        """Append a frame of the flow around the pillars, with the mergers since the frame before."""
-        self._add("angiogenesis", row, flow_frame(step.mesh, step.flow), outlines(step, merges))
+    def add_flow(self, row: Row, step: RemodelStep, events: Sequence[Event]) -> None:
+        """Append a frame of the flow around the pillars, with the events since the frame before."""
+        pillars = outlines(step)
+        groups = {"pillars": pillars, "events": event_rows(events), "states": state_rows(step.state, pillars)}
+        self._add("angiogenesis", row, flow_frame(step.mesh, step.flow), groups)
+
+    def set_settings(self, settings: str, *, new: bool) -> None:
+        """Store the text of the study anew; a record that was copied becomes one of its own (`new`)."""
+        with self._writing():
+            del self._run["settings"]
+            self._run["settings"] = settings
+            if new:
+                self._run.attrs["id"] = new_id()
 
     def set_domain(self, domain: Domain) -> None:
         """Store the outer boundary; it is the same in every frame."""
@@ -170,6 +196,10 @@ class Record:
                 del group[name]
             group["outer"] = domain.outer
             group["sides"] = json.dumps(domain.sides)
+
+    def facts(self, name: str) -> Any:  # whatever was stored
+        """Return stored facts by name, an empty dict when there are none."""
+        return json.loads(self._run[name].asstr()[()]) if name in self._run else {}
 
     def set_facts(self, name: str, facts: Mapping[str, Any] | Sequence[Any]) -> None:
         """Store named facts (numbers and words) under `run`, as JSON text: the extraction report, the stages."""
@@ -192,8 +222,10 @@ class Record:
                 self._guard.close()
         self._guard.check()
 
-    def _add(self, stage: str, row: Row, frame: GridFrame, outlines: dict[str, NDArray[Any]] | None = None) -> None:
-        """Write one frame, its row of the table and its outlines; the frame counts once all three are there."""
+    def _add(
+        self, stage: str, row: Row, frame: GridFrame, groups: Mapping[str, Mapping[str, NDArray[Any]]] | None = None
+    ) -> None:
+        """Write one frame, its row of the table and its outlines; the frame counts once all of them are there."""
         number = float(STAGES.index(stage))
         fields = {"stage": number, "step": row["step"], "time": row["time"]}
         frame.field_data.update({name: np.array([value], dtype=np.float64) for name, value in fields.items()})
@@ -202,8 +234,8 @@ class Record:
             for name in COLUMNS:
                 value = number if name == "stage" else float(row.get(name, np.nan))
                 extend(self._run["metrics"], name, np.array([value]))
-            if outlines is not None:
-                self._pillars.append(outlines)
+            for name, arrays in (groups or {}).items():
+                self._remodelling[name].append(arrays)
             self._grid.append(len(self._grid), frame)
 
     def _truncate(self, frames: int) -> None:
@@ -213,7 +245,8 @@ class Record:
             for name in list(metrics):
                 metrics[name].resize(frames, axis=0)
             stages = metrics["stage"][:] if frames else np.empty(0)
-            self._pillars.truncate(int(np.count_nonzero(stages == STAGES.index("angiogenesis"))))
+            for rows in self._remodelling.values():
+                rows.truncate(int(np.count_nonzero(stages == STAGES.index("angiogenesis"))))
             self._run.attrs["complete"] = 0
 
     @contextmanager
@@ -230,6 +263,11 @@ class Record:
         with uninterrupted():
             self._file.flush()
         self._guard.check()
+
+
+def new_id() -> str:
+    """Make a name for a run that no other has, 12 hexadecimal digits."""
+    return secrets.token_hex(6)
 
 
 def require_room(path: Path, need: int) -> None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 STAGES = ("vasculogenesis", "angiogenesis")
 """Stages with recorded steps, in their order; files hold the position in this tuple."""
 
-COUNTS = ("step", "springs", "pillars", "merges", "triangles")
+COUNTS = ("step", "springs", "pillars", "merges", "triangles", "chains", "largest_chain", "events")
 """Columns of whole numbers."""
 
 COLUMNS = (
@@ -43,6 +43,21 @@ COLUMNS = (
     "residual",
     "mass_imbalance",
     "seconds",
+    "local_angle",
+    "chains",
+    "largest_chain",
+    "chain_fraction",
+    "straightness",
+    "resistance",
+    "shear_variation",
+    "shear_ratio",
+    "corridors",
+    "corridor_width",
+    "corridor_run",
+    "events",
+    "seconds_mesh",
+    "seconds_flow",
+    "seconds_cells",
 )
 """Columns of `metrics.csv`, in order."""
 
@@ -65,6 +80,31 @@ MEANINGS = {
     "residual": "largest force left over the force scale of the stage, dimensionless",
     "mass_imbalance": "largest relative error of the mass balance of the flow",
     "seconds": "wall time since the previous row of the stage",
+    "local_angle": (
+        "mean acute angle between the long axis of a pillar and the mean velocity around it (the local flow), degrees"
+    ),
+    "chains": "pillars that two or more original pillars have merged into",
+    "largest_chain": "original pillars in the largest pillar",
+    "chain_fraction": "share of the original pillars that are in chains",
+    "straightness": "end-to-end distance over length of the middle line of the chains, mean weighted by length",
+    "resistance": "pressure drop over flow rate, model pressure times model time per model length squared",
+    "shear_variation": (
+        "spread of the wall shear around each pillar over its own mean (root mean square over the pillars); "
+        "0: uniform shear"
+    ),
+    "shear_ratio": "95th over 5th percentile of the pillars' mean wall shears; above 20 the plexus closes itself off",
+    "corridors": (
+        "effective number of lanes that carry the flow, (sum q)^2 / sum q^2 at stations across the mean "
+        "flow, mean of the stations"
+    ),
+    "corridor_width": "width of these lanes, mean weighted by flow, model length",
+    "corridor_run": (
+        "how far a lane runs between the same two banks, without a branch: mean weighted by flow, model length"
+    ),
+    "events": "events (merges, borders, vanishings, splits, ...) since the previous row",
+    "seconds_mesh": "wall time of the flow mesh in this step",
+    "seconds_flow": "wall time of the flow in this step",
+    "seconds_cells": "wall time of cells, matrix, motion and merging in this step",
 }
 """What each column means, a line each."""
 

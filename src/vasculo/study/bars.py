@@ -55,6 +55,11 @@ class Bars:
         """Move the bar of the present stage."""
         self._progress.update(self._task, completed=done, total=max(total, 1), description=text)
 
+    def note(self, text: str) -> None:
+        """Write a line above the bars."""
+        stage = f"{self._stage:<15} " if self._stage else ""
+        self._progress.console.print(f"{stage}{text}", soft_wrap=True, markup=False)
+
     def end(self, text: str) -> None:
         """Fill the bar of the present stage."""
         self._progress.update(self._task, completed=1, total=1, description=text)

@@ -9,7 +9,7 @@ from pathlib import Path
 from vasculo.errors import InputError
 
 _FOLDER = Path(__file__).with_name("studies")
-NAMES = ("paper", "plexus", "disk", "chains", "hanging", "small")
+NAMES = ("paper", "plexus", "disk", "chains", "thousand", "hanging", "rolled", "flipped", "elastic", "small")
 """Built-in studies, in the order in which they are listed."""
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import re
 import time
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from vasculo.errors import InputError
-from vasculo.store.read import CHECKPOINT, LOG, RECORD, STUDY
+from vasculo.errors import ComputationError, InputError
+from vasculo.store.read import CHECKPOINT, LOG, RECORD, STUDY, TABLE
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
     from types import TracebackType
 
 HOME = Path("runs")
@@ -47,12 +49,18 @@ def new_folder(name: str, out: str | Path | None) -> Path:
     return folder
 
 
-def free_folder(name: str) -> Path:
+def free_folder(name: str, home: Path = HOME) -> Path:
     """First of `runs/<name>`, `runs/<name>-2`, ... that is not there yet."""
     number = 1
-    while (folder := HOME / (name if number == 1 else f"{name}-{number}")).exists():
+    while (folder := home / (name if number == 1 else f"{name}-{number}")).exists():
         number += 1
     return folder
+
+
+def branch_folder(folder: Path) -> Path:
+    """Folder for a branch of the run in `folder`: beside it, with `-branch` behind its name."""
+    whole = folder.resolve()
+    return free_folder(f"{whole.name}-branch", folder.parent if folder.name == whole.name else whole.parent)
 
 
 def old_folder(name: str, out: str | Path | None) -> Path:
@@ -77,6 +85,36 @@ def old_folder(name: str, out: str | Path | None) -> Path:
     if not found:
         raise InputError(f"there is no run of {name} under {HOME} to go on with: name its folder with --out")
     return max(found)[1]
+
+
+def clear_folder(folder: Path, fresh: Iterable[Path]) -> None:
+    """Take away the files that were made for a run that never began, and the folder when nothing else is in it."""
+    for path in (*fresh, folder / TABLE, folder / LOG):
+        path.unlink(missing_ok=True)
+    with suppress(OSError):  # a folder with other things in it stays
+        folder.rmdir()
+
+
+@contextmanager
+def filling(folder: Path, fresh: Iterable[Path]) -> Iterator[ExitStack]:
+    """Make the files of a new run in the block; leave nothing behind, and nothing on the stack open, when that fails.
+
+    Raises
+    ------
+    ComputationError
+        When the files cannot be written.
+    """
+    try:
+        with ExitStack() as stack:
+            yield stack
+            stack.pop_all()
+    except OSError as error:
+        clear_folder(folder, fresh)
+        what = error.strerror or str(error)
+        raise ComputationError(f"{error.filename or folder} cannot be written: {what}; nothing was begun") from None
+    except BaseException:
+        clear_folder(folder, fresh)
+        raise
 
 
 class Log:

@@ -16,13 +16,15 @@ if TYPE_CHECKING:
 
     Lines = list[tuple[str, str]]
 
-# Measured on one core; a study of another size is scaled from these.
+# Measured on one core with 16 to 5,000 pillars; a study of another size is scaled from these.
 _SPRING_STEP = 6e-9  # seconds a spring and time step
-_FLOW_STEP, _FLOW_TRIANGLE = 0.1, 7e-5  # seconds a geometry step, and a triangle of it: mesh, flow, cells
-_TRIANGLE_MEMORY = 0.008  # MB a triangle of the flow mesh
-_FRAME_TRIANGLE = 50.0  # bytes of the record a triangle and step
+_SPRING_FRAME = 8e-7  # seconds a spring and recorded step
+_FLOW_STEP, _FLOW_TRIANGLE = 0.05, 2.8e-5  # seconds a geometry step, and a triangle of it: mesh, flow, cells
+_FRAME_STEP = 4e-6  # seconds a triangle of a recorded step: its measures, and the record
+_TRIANGLE_MEMORY = 0.005  # MB a triangle of the flow mesh
+_FRAME_TRIANGLE = 55.0  # bytes of the record a triangle and step
 _BASE_MEMORY = 240.0  # MB of the program itself
-_FIGURES_TIME = 5.0  # seconds
+_FIGURES_TIME, _FIGURES_TRIANGLE = 5.0, 8e-5  # seconds, and a triangle of the flow mesh: figures and report
 _TRIANGLES_PER_PILLAR = 150.0  # of the flow mesh, two triangles across a passage
 
 _LONG_NUMBER = 1e9  # numbers from here on are written with an exponent
@@ -48,7 +50,7 @@ def forecast(settings: Settings) -> Lines:
         When the time step exceeds the stability limit, or the domain cannot be meshed.
     """
     lines: Lines = [("study", settings.study.title), ("stages", ", ".join(settings.stages))]
-    seconds, memory, size = _FIGURES_TIME, _BASE_MEMORY, 0.0
+    seconds, memory, size = 0.0, _BASE_MEMORY, 0.0
     if settings.kind == "tissue":
         more, took, kept, voids = _tissue(settings)
         triangles = voids * _TRIANGLES_PER_PILLAR * (settings.angiogenesis.flow_across / 2.0)
@@ -58,12 +60,17 @@ def forecast(settings: Settings) -> Lines:
         took, kept = 0.0, 0.0
         lines += more
     seconds, size = seconds + took, size + kept
+    figures = _FIGURES_TIME
     if "angiogenesis" in settings.stages:
         steps = settings.angiogenesis.steps
-        seconds += (_FLOW_STEP + _FLOW_TRIANGLE * triangles) * (steps + 1)
+        frames = steps // settings.output.step_every + 1
+        seconds += (_FLOW_STEP + _FLOW_TRIANGLE * triangles) * (steps + 1) + _FRAME_STEP * triangles * frames
         memory += _TRIANGLE_MEMORY * triangles
-        size += _FRAME_TRIANGLE * triangles * (steps // settings.output.step_every + 1) / 1e6
+        size += _FRAME_TRIANGLE * triangles * frames / 1e6
+        figures += _FIGURES_TRIANGLE * triangles
         lines.append(("geometry steps", str(steps)))
+    if settings.output.figures:
+        seconds += figures
     lines += [
         ("expected memory", f"about {_number(memory)} MB"),
         ("expected record", f"about {_number(max(size, 1.0))} MB"),
@@ -95,7 +102,7 @@ def _tissue(settings: Settings) -> tuple[Lines, float, float, float]:
     frames = CHECKS / settings.output.growth_interval(len(network.springs)) + 8
     return (
         lines,
-        steps * _SPRING_STEP * len(network.springs),
+        (steps * _SPRING_STEP + frames * _SPRING_FRAME) * len(network.springs),
         frames * FRAME_SPRING * len(network.springs) / 1e6,
         voids,
     )

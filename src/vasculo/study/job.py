@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from vasculo import measure
 from vasculo.errors import ComputationError, InputError
-from vasculo.pillars.angiogenesis import remodel
+from vasculo.pillars.angiogenesis import is_done, remodel
 from vasculo.plexus.extract import extract
 from vasculo.store.read import CHECKPOINT
 from vasculo.study import watch
@@ -20,6 +20,7 @@ from vasculo.study.invariants import check_growth, check_remodelling
 from vasculo.study.recorders import GrowthRecorder, RemodelRecorder
 from vasculo.study.schema import parameter_meanings
 from vasculo.study.sections import meanings_of
+from vasculo.study.telling import tell_events
 from vasculo.tissue.lattice import lattice
 from vasculo.tissue.vasculogenesis import grow_plexus
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from vasculo.geometry.domain import Domain
+    from vasculo.pillars.state import RemodelState
     from vasculo.springs.network import SpringNetwork
     from vasculo.store.checkpoint import Checkpoint
     from vasculo.store.record import Record
@@ -50,6 +52,8 @@ class Job:
         Its files, open.
     checkpoint : Checkpoint
         What is finished.
+    start : RemodelState or None
+        Where the angiogenesis goes on, when it was begun.
     progress : Progress
         Who wants to see it.
     pause : callable
@@ -62,6 +66,7 @@ class Job:
     table: Table
     log: Log
     checkpoint: Checkpoint
+    start: RemodelState | None
     progress: watch.Progress
     pause: Callable[..., None]
     _result: str = field(default="", init=False)
@@ -81,12 +86,12 @@ class Job:
         self.pause()
         self.progress.begin(name, "")
         self.log.line(f"{name}: begins")
-        clock, before, self._result = perf_counter(), self.checkpoint.seconds, ""
+        clock, before, self._result = perf_counter(), self.table.seconds(name), ""
         yield
         seconds = before + perf_counter() - clock
         fact = {"name": name, "seconds": round(seconds, 3), "peak_mb": round(peak_memory()), "result": self._result}
         self.checkpoint.stages.append(fact)
-        self.checkpoint.frames, self.checkpoint.seconds = len(self.record), 0.0
+        self.checkpoint.frames = len(self.record)
         self.record.set_facts("stages", self.checkpoint.stages)
         self.checkpoint.save(self.folder / CHECKPOINT)
         self.log.line(f"{name}: {self._result} ({seconds:.1f} s, peak {fact['peak_mb']} MB)")
@@ -127,22 +132,26 @@ class Job:
 
     def _domain(self) -> None:
         self._keep(drawn_domain(self.settings))
-        self._result = f"pillars {len(self._start.pillars)}"
+        self._result = f"pillars {len(self._domain_there.pillars)}"
 
     def _angiogenesis(self) -> None:
-        settings, checkpoint = self.settings, self.checkpoint
-        start = checkpoint.state
-        if start is not None:
-            self.log.line(f"angiogenesis: goes on behind step {start.step}")
-        recorder = RemodelRecorder(
-            self.record, self.table, checkpoint, self.folder / CHECKPOINT, settings.output.step_every
+        settings, domain = self.settings, self._domain_there
+        if self.start is not None:
+            self.log.line(f"angiogenesis: goes on behind step {self.start.step}")
+        recorder = RemodelRecorder(self.record, self.table, settings.output.step_every, self.start)
+        seen = watch.in_turn(
+            check_remodelling,
+            recorder,
+            tell_events(self.log.line, self.progress.note),
+            watch.remodel_progress(self.progress, settings.angiogenesis.steps),
+            self.pause,
         )
-        seen = watch.in_turn(check_remodelling, recorder, watch.remodel_progress(self.progress), self.pause)
-        final = remodel(self._start, settings.angiogenesis, seen, start=start)
-        before, merges = len(self._start.pillars), checkpoint.state.merges_total if checkpoint.state else 0
-        self._result = (
-            f"pillars {before} to {len(final.pillars)}, mergers {merges}, steps {settings.angiogenesis.steps}"
-        )
+        for parameters in settings.phases():
+            if recorder.state is None or not is_done(recorder.state, parameters):
+                remodel(domain, parameters, seen, start=recorder.state)
+        state = _there(recorder.state)
+        left, merges = len(state.rest_areas), state.merges_total
+        self._result = f"pillars {len(domain.pillars)} to {left}, mergers {merges}, steps {state.step}"
 
     def _keep(self, domain: Domain) -> None:
         """Keep the domain before the remodelling."""
@@ -154,7 +163,7 @@ class Job:
         return _there(self.checkpoint.plexus)
 
     @property
-    def _start(self) -> Domain:
+    def _domain_there(self) -> Domain:
         return _there(self.checkpoint.domain)
 
 

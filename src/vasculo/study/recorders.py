@@ -1,4 +1,4 @@
-"""Watchers that write: each step that is to be kept goes to the record, the table and the checkpoint."""
+"""Watchers that write: each step that is to be kept goes to the record and the table."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from vasculo.pillars.state import Merge, RemodelStep
-    from vasculo.store.checkpoint import Checkpoint
+    from vasculo.pillars.events import Event
+    from vasculo.pillars.state import RemodelState, RemodelStep
     from vasculo.store.record import Record
     from vasculo.store.table import Row
     from vasculo.tissue.vasculogenesis import GrowthStep
@@ -41,6 +41,10 @@ class Table:
         """Add a row and write the table."""
         self.rows.append((stage, row))
         self.write()
+
+    def seconds(self, stage: str) -> float:
+        """Wall time of a stage up to its last row."""
+        return sum(row.get("seconds", 0.0) for name, row in self.rows if name == stage)
 
     def write(self) -> None:
         """Write the table, whole or not at all."""
@@ -99,40 +103,34 @@ class GrowthRecorder:
 
 @dataclass
 class RemodelRecorder:
-    """Record steps of the angiogenesis and save the checkpoint behind each.
+    """Record steps of the angiogenesis.
 
     Parameters
     ----------
     record, table : Record, Table
         Where to.
-    checkpoint : Checkpoint
-        Gets the state of the last recorded step.
-    path : Path
-        The checkpoint's file.
     every : int
         Record every so many steps; the first and the last in any case.
+    state : RemodelState, optional
+        Of the last recorded step.
     """
 
     record: Record
     table: Table
-    checkpoint: Checkpoint
-    path: Path
     every: int
-    _merges: list[Merge] = field(default_factory=list)
+    state: RemodelState | None = None
+    _events: list[Event] = field(default_factory=list)
     _clock: float = field(default_factory=perf_counter)
 
     def __call__(self, step: RemodelStep) -> None:
         """Record one step."""
-        self._merges += step.merges
-        if step.step % self.every and step.step != step.steps_total:
+        self._events += step.events
+        if step.step % self.every and not step.is_last:
             return
         now = perf_counter()
-        row = remodel_row(step, now - self._clock)
-        self.record.add_flow(row, step, self._merges)
-        self._merges.clear()
+        row = remodel_row(step, now - self._clock, len(self._events))
+        self.record.add_flow(row, step, self._events)
+        self._events.clear()
         self.table.add("angiogenesis", row)
-        self.checkpoint.seconds += now - self._clock
         self._clock = now
-        self.checkpoint.frames = len(self.record)
-        self.checkpoint.state = step.state
-        self.checkpoint.save(self.path)
+        self.state = step.state

@@ -4,27 +4,25 @@ from __future__ import annotations
 
 import shutil
 from contextlib import suppress
+from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import vasculo
 from vasculo.errors import ComputationError, InputError
-from vasculo.store.checkpoint import Checkpoint
-from vasculo.store.read import CHECKPOINT, LOG, RECORD, STUDY, TABLE, Run, open_run
+from vasculo.store.read import RECORD, TABLE, Run, open_run
 from vasculo.store.record import Record, first_line
-from vasculo.store.table import write_whole
-from vasculo.study.builtin import find_study
-from vasculo.study.folder import Log, new_folder, old_folder
+from vasculo.study.beginning import Beginning, extend, find_run, new_run, old_run, reopen
+from vasculo.study.branch import make_branch
+from vasculo.study.changes import is_branch
+from vasculo.study.folder import Log, clear_folder
 from vasculo.study.job import Job, peak_memory
-from vasculo.study.outlines import take_along
 from vasculo.study.patience import Patience
 from vasculo.study.recorders import Table
-from vasculo.study.settings import Settings, parse_study, read_study
 from vasculo.study.watch import Silence
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     from vasculo.study.watch import Progress
 
@@ -49,9 +47,11 @@ def run(
     settings: Mapping[str, object] | None = None,
     *,
     resume: bool = False,
+    branch: str | Path | None = None,
+    step: int | None = None,
     progress: Progress | None = None,
 ) -> Run:
-    """Run a study, or go on with one that was interrupted.
+    """Run a study, go on with a run that was interrupted, or branch off from one.
 
     Parameters
     ----------
@@ -60,9 +60,16 @@ def run(
     out : str or Path, optional
         Folder of the run; `runs/<study>` when left out, with a number behind it when that is taken.
     settings : mapping of "section.key" to value, optional
-        Values that replace those of the study.
+        Values that replace those of the study, or of the run.
     resume : bool
-        Go on with the run in the folder, from its last finished step, to the same numbers as without interruption.
+        Go on with the run in the folder `out`, from its last finished step, to the same numbers as in one go.
+        With `settings` that lead to other numbers a branch of it is made, in a folder beside it.
+    branch : str or Path, optional
+        Folder of a run to branch off from: its steps up to `step` are copied into the folder `out` (beside it, with
+        "-branch" behind its name, when left out), and the run goes on there with the new `settings`. The old folder
+        stays as it is.
+    step : int, optional
+        Last recorded step of the angiogenesis that a branch keeps; the last one when left out.
     progress : Progress, optional
         Is told how far the run is; see `vasculo.study.watch`.
 
@@ -85,7 +92,7 @@ def run(
     >>> import vasculo as vc
     >>> run = vc.run("disk", out="runs/disk", settings={"angiogenesis.steps": 5})  # doctest: +SKIP
     """
-    return execute(study, out, settings, resume=resume, progress=progress, label="settings")
+    return execute(study, out, settings, resume=resume, branch=branch, step=step, progress=progress, label="settings")
 
 
 def execute(
@@ -93,30 +100,22 @@ def execute(
     out: str | Path | None,
     overrides: Mapping[str, object] | None,
     *,
-    resume: bool,
-    progress: Progress | None,
-    label: str,
+    resume: bool = False,
+    branch: str | Path | None = None,
+    step: int | None = None,
+    progress: Progress | None = None,
+    label: str = "settings",
 ) -> Run:
     """Do what `run` does; `label` is what the overrides are called in messages."""
-    shown, copied = progress or Silence(), None
-    if resume:
-        folder, settings = _old_run(study, out, overrides, label)
-        checkpoint = Checkpoint.load(folder / CHECKPOINT)
-        if not (folder / RECORD).is_file():
-            raise InputError(f"{folder} cannot be continued: there is no {RECORD}; start the run anew")
-        if checkpoint.settings != settings.to_toml():
-            raise InputError(f"{folder / STUDY} was changed since the run began: start the run anew in another folder")
-    else:
-        path = find_study("paper" if study is None else study)
-        settings = read_study(path, overrides, label)
-        folder = new_folder(_name(path), out)
-        if "file" in settings.domain:
-            copied = take_along(settings.domain["file"], settings.folder, folder)
-        checkpoint = Checkpoint(settings.to_toml())
-    begun = checkpoint.frames > 0 or bool(checkpoint.stages)
+    shown = progress or Silence()
+    begun = _begin(study, out, overrides, resume=resume, branch=branch, step=step, label=label)
+    folder, settings = begun.folder, begun.settings
     try:
         with Log(folder) as log, Patience() as pause:
-            _compute(settings, folder, checkpoint, log, shown, pause)
+            if begun.note:
+                shown.note(begun.note)
+                log.line(begun.note)
+            _compute(begun, log, shown, pause)
             run = open_run(folder)
             if settings.output.figures:
                 _illustrate(run, log, shown, pause)
@@ -127,58 +126,51 @@ def execute(
     except ComputationError as error:
         raise ComputationError(f"{error}; what was done is kept in {folder}") from error
     except InputError:
-        if not resume and not begun and not _has_frames(folder):
-            _clear(folder, copied)
+        if begun.fresh and not _has_frames(folder):
+            clear_folder(folder, begun.fresh)
         raise
     except OSError as error:
         raise ComputationError(_disk_message(folder, error)) from error
+    finally:
+        with suppress(OSError, RuntimeError):  # it is closed already, unless the run never began
+            begun.record.close()
     return run
 
 
-def _name(path: Path) -> str:
-    """Name of a study by its file; a `study.toml` goes by its folder."""
-    return path.parent.name if path.name == STUDY else path.stem
+def _begin(
+    study: str | Path | None,
+    out: str | Path | None,
+    overrides: Mapping[str, object] | None,
+    *,
+    resume: bool,
+    branch: str | Path | None,
+    step: int | None,
+    label: str,
+) -> Beginning:
+    """Make or find the folder of the run and what it goes on from."""
+    if branch is not None:
+        if study is not None or resume:
+            raise InputError(f"a branch of {branch} takes its study from there: leave the study and resume out")
+        kept = find_run(Path(branch))
+        return make_branch(kept, *kept.changed(overrides, label), out, step)
+    if not resume:
+        if step is not None:
+            raise InputError(f"step = {step} goes with a branch: name the run to branch off from")
+        return new_run(study, out, overrides, label)
+    kept, settings, changes = old_run(study, out, overrides, label)
+    if step is not None or is_branch(changes):
+        return make_branch(kept, settings, changes, None, step)
+    return extend(kept, settings, changes) if changes else reopen(kept)
 
 
-def _old_run(
-    study: str | Path | None, out: str | Path | None, overrides: Mapping[str, object] | None, label: str
-) -> tuple[Path, Settings]:
-    """Find the run to go on with; a study that is named besides must be the same."""
-    folder = old_folder(_name(find_study("paper" if study is None else study)), out)
-    text = (folder / STUDY).read_text(encoding="utf-8")
-    settings = parse_study(text, str(folder / STUDY), folder=folder)
-    if study is not None or overrides:
-        path = folder / STUDY if study is None else find_study(study)
-        asked = read_study(path, overrides, label).tables()
-        kept = settings.tables()
-        for name in sorted(asked.keys() | kept.keys()):
-            one, two = asked.get(name, {}), kept.get(name, {})
-            for key in sorted(one.keys() | two.keys()):
-                if one.get(key) != two.get(key):
-                    raise InputError(
-                        f"{folder} was begun with {name}.{key} = {two.get(key)!r}, not {one.get(key)!r}: "
-                        f"resume without changes, or start anew in another folder"
-                    )
-    return folder, settings
-
-
-def _compute(
-    settings: Settings, folder: Path, checkpoint: Checkpoint, log: Log, progress: Progress, pause: Patience
-) -> None:
-    """Go through the stages and leave a complete record; or an incomplete one, with a checkpoint to go on from."""
-    path = folder / RECORD
-    continued = path.exists()
-    if continued:
-        record, rows = _reopen(path, checkpoint)
-    else:
-        write_whole(folder / STUDY, checkpoint.settings)
-        record, rows = Record.create(path, checkpoint.settings, vasculo.__version__), []
-        checkpoint.save(folder / CHECKPOINT)
-    table = Table(folder / TABLE, rows)
-    log.line(f"vasculo {vasculo.__version__}: {settings.study.title} ({'continued' if continued else 'new'})")
+def _compute(begun: Beginning, log: Log, progress: Progress, pause: Patience) -> None:
+    """Go through the stages and leave a complete record; or an incomplete one to go on from."""
+    record, table = begun.record, Table(begun.folder / TABLE, begun.rows)
+    state = "continued" if begun.rows else "new"
+    log.line(f"vasculo {vasculo.__version__}: {begun.settings.study.title} ({state})")
     try:
         table.write()
-        Job(settings, folder, record, table, log, checkpoint, progress, pause).work()
+        Job(begun.settings, begun.folder, record, table, log, begun.checkpoint, begun.start, progress, pause).work()
         record.finish()
     except BaseException as error:
         log.line(f"stopped: {type(error).__name__}: {error}")
@@ -186,15 +178,6 @@ def _compute(
             record.close()
         raise
     record.close()
-
-
-def _reopen(path: Path, checkpoint: Checkpoint) -> tuple[Record, list[tuple[str, dict[str, float]]]]:
-    """Open the record behind the checkpoint, with the rows of the table up to there."""
-    Record.reopen(path, checkpoint.frames).close()
-    metrics = open_run(path).metrics
-    names = [name for name in metrics if name != "stage"]
-    rows = [(str(stage), {name: float(metrics[name][i]) for name in names}) for i, stage in enumerate(metrics["stage"])]
-    return Record.reopen(path, checkpoint.frames), rows
 
 
 def _illustrate(run: Run, log: Log, progress: Progress, pause: Patience) -> None:
@@ -231,15 +214,6 @@ def _has_frames(folder: Path) -> bool:
         return bool(open_run(folder).frames)
     except InputError:
         return False
-
-
-def _clear(folder: Path, copied: Path | None) -> None:
-    """Remove what a run left that never came to its first step."""
-    for path in (*(folder / name for name in (STUDY, RECORD, CHECKPOINT, TABLE, LOG)), copied):
-        if path is not None:
-            path.unlink(missing_ok=True)
-    with suppress(OSError):  # a folder with other things in it stays
-        folder.rmdir()
 
 
 def _disk_message(folder: Path, error: OSError) -> str:

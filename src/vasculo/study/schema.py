@@ -104,5 +104,7 @@ def kind_words(kind: Any) -> str:  # an annotation of any sort
         return "one of " + ", ".join(repr(value) for value in get_args(kind))
     if origin in {Union, types.UnionType}:
         return " or ".join(kind_words(part) for part in get_args(kind) if part is not type(None))
+    if origin is dict:
+        return "a table"
     words = {int: "a whole number", float: "a number", bool: "true or false", str: "a text"}
     return words.get(kind, "of another type")

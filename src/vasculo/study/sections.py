@@ -41,15 +41,42 @@ class StudyKeys:
         Seed of everything drawn at random, 0 or more: the same seed gives the same numbers.
     until : {"vasculogenesis", "extraction", "angiogenesis"}
         Last stage; only a study that starts from a tissue can end before the last one.
+    uses : str, optional
+        Name of a Python file beside the study, which registers laws with `vasculo.cell_response` for
+        `angiogenesis.response` to name. Its code is run; a run takes a copy along.
     """
 
     title: str = "A study"
     seed: int = 0
     until: Until = "angiogenesis"
+    uses: str | None = None
 
     def __post_init__(self) -> None:
         if not 0 <= self.seed < 2**32:
             raise InputError(f"seed = {self.seed} is not a whole number from 0 to {2**32 - 1}")
+
+
+@dataclass(frozen=True)
+class BranchKeys:
+    """Where the angiogenesis changes its settings on the way.
+
+    Parameters
+    ----------
+    step : int
+        Last step under the settings of before, 0 or more.
+    before : dict
+        The keys of the section angiogenesis that had other values until then, with these.
+    run : str
+        Run in which the steps up to here were computed; a remark.
+    """
+
+    step: int
+    before: dict[str, Any]
+    run: str = ""
+
+    def __post_init__(self) -> None:
+        if self.step < 0:
+            raise InputError(f"step = {self.step} is not a whole number from 0 up")
 
 
 @dataclass(frozen=True)
@@ -162,6 +189,7 @@ VASCULOGENESIS = Section(
 )
 EXTRACTION = Section("extraction", "From the plexus to pillars and tubules", Extraction)
 ANGIOGENESIS = Section("angiogenesis", "Remodelling of the pillars in the flow", Angiogenesis)
+BRANCH = Section("branch", "Where the angiogenesis changes its settings on the way", BranchKeys)
 OUTPUT = Section("output", "What is kept", OutputKeys)
 UNITS = Section("units", "Physical units for labels and tables", UnitKeys)
 

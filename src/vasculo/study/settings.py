@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +12,14 @@ from pydantic import ValidationError
 
 from vasculo.errors import InputError
 from vasculo.study.complaints import one_line, parse_error, unknown_section
+from vasculo.study.laws import forget_laws, load_laws
 from vasculo.study.schema import keys_of, model_of
 from vasculo.study.sections import (
+    BRANCH,
     DOMAIN_KINDS,
     ORDER,
     SECTIONS,
+    BranchKeys,
     OutputKeys,
     Section,
     StudyKeys,
@@ -51,6 +54,10 @@ class Settings:
         Parameters of the stages.
     folder : Path
         Where the study lies.
+    branches : tuple of BranchKeys
+        Where the angiogenesis changes its settings on the way, in order.
+    laws : Path, optional
+        The Python file that the study uses.
     """
 
     study: StudyKeys
@@ -63,6 +70,8 @@ class Settings:
     output: OutputKeys
     units: UnitKeys = field(default_factory=UnitKeys)
     folder: Path = field(default=Path(), compare=False)
+    branches: tuple[BranchKeys, ...] = ()
+    laws: Path | None = field(default=None, compare=False)
 
     @property
     def stages(self) -> tuple[str, ...]:
@@ -71,6 +80,13 @@ class Settings:
             return ("domain", "angiogenesis")
         every = ("vasculogenesis", "extraction", "angiogenesis")
         return every[: every.index(self.study.until) + 1]
+
+    def phases(self) -> tuple[Angiogenesis, ...]:
+        """Parameters of the angiogenesis from branch to branch, in order; each with the step up to which it holds."""
+        found = [self.angiogenesis]
+        for branch in reversed(self.branches):
+            found.insert(0, replace(found[0], **(branch.before | {"steps": branch.step})))
+        return tuple(found)
 
     def tables(self) -> Tables:
         """Every key with its value, by section, in the order of the file; keys without a value are left out."""
@@ -94,6 +110,9 @@ class Settings:
                 blocks.append(
                     "\n".join([f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in table.items())])
                 )
+        for branch in self.branches:
+            lines = (f"{key} = {toml_value(value)}" for key, value in asdict(branch).items())
+            blocks.append("\n".join(["[[branch]]", *lines]))
         return "\n\n".join(blocks) + "\n"
 
 
@@ -106,6 +125,8 @@ def toml_value(value: object) -> str:
         return f'"{escaped}"'
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(toml_value(item) for item in value)}]"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key} = {toml_value(item)}' for key, item in value.items())}}}"
     return repr(value)
 
 
@@ -144,6 +165,8 @@ def parse_study(
     for path, value in (overrides or {}).items():
         _override(tables, path, value, label)
         origin[path] = label
+    laws = _laws(tables, source, origin, folder)
+    branches: Any = tables.pop("branch", [])
     kind = _kind(tables, source, origin)
     unused = unused_sections(kind)
     for name, table in tables.items():
@@ -175,7 +198,8 @@ def parse_study(
             f"{where}: tissue.boundary = 'periodic' does not fit study.until = {parts['study'].until!r}: pillars need "
             "a frame, so a periodic study ends with 'vasculogenesis'"
         )
-    return Settings(kind=kind, domain=domain, folder=folder, **parts)
+    settings = Settings(kind=kind, domain=domain, folder=folder, laws=laws, **parts)
+    return replace(settings, branches=_branches(branches, settings, source)) if branches else settings
 
 
 def read_study(path: Path, overrides: Mapping[str, object] | None = None, label: str = "settings") -> Settings:
@@ -211,6 +235,42 @@ def parse_assignment(text: str) -> tuple[str, object]:
         return path, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
         return path, value
+
+
+def _laws(tables: Tables, source: str, origin: Mapping[str, str], folder: Path) -> Path | None:
+    """Run the Python file that the study uses: named by the study it lies beside it, by an override anywhere."""
+    section = tables.get("study")
+    uses = section.get("uses") if isinstance(section, dict) else None
+    if not isinstance(uses, str):
+        forget_laws()
+        return None
+    where = _where("study.uses", source, origin)
+    if "study.uses" not in origin and Path(uses).name != uses:
+        raise InputError(f"{where}: study.uses = {uses!r} is no plain name: the file lies beside the study")
+    path = Path(uses) if "study.uses" in origin else folder / uses
+    load_laws(path, f"{where}: study.uses = {uses!r}")
+    tables["study"]["uses"] = path.name
+    return path
+
+
+def _branches(given: Any, settings: Settings, source: str) -> tuple[BranchKeys, ...]:  # whatever the file has there
+    """Check the changes on the way: in order, and each with settings that can be used."""
+    if not isinstance(given, list) or not all(isinstance(entry, dict) for entry in given):
+        raise InputError(f"{source}: branch = {given!r} must be written as [[branch]] and keys below, once a branch")
+    found = tuple(_section(BRANCH, entry, source, {}) for entry in given)
+    steps = [*(branch.step for branch in found), settings.angiogenesis.steps]
+    if steps != sorted(steps):
+        raise InputError(
+            f"{source}: the steps of [[branch]] must rise and end by angiogenesis.steps: they are "
+            f"{', '.join(map(str, steps))}"
+        )
+    table = asdict(settings.angiogenesis)
+    for branch in reversed(found):
+        if unknown := branch.before.keys() - (table.keys() - {"steps"}):
+            raise InputError(f"{source}: branch.before has {', '.join(sorted(unknown))}: name keys of [angiogenesis]")
+        table |= branch.before
+        _section(SECTIONS["angiogenesis"], table, f"{source}: [[branch]] step = {branch.step}", {})
+    return found
 
 
 def _kind(tables: Tables, source: str, origin: Mapping[str, str]) -> str:

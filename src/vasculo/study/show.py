@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +12,10 @@ from rich.console import Console
 from rich.table import Table
 
 from vasculo import measure
+from vasculo.store.events import events_text
 from vasculo.store.read import FIGURES, RECORD, REPORT, TABLE
 from vasculo.store.table import COUNTS, STAGES, to_csv
+from vasculo.study.changes import told
 
 if TYPE_CHECKING:
     from vasculo.store.read import Run
@@ -27,9 +30,13 @@ _SHOWN = {
         "merges",
         "order",
         "alignment",
+        "local_angle",
         "aspect_ratio",
         "mean_gap",
         "permeability",
+        "chains",
+        "corridors",
+        "shear_ratio",
     ),
 }
 
@@ -37,6 +44,7 @@ _SHOWN = {
 def show_end(run: Run) -> None:
     """Print the table of stages and where everything lies."""
     console = _console()
+    _show_origin(run, console)
     table = _table("stage", "seconds", "peak MB", "result")
     stages = run.facts("stages")
     for stage in stages:
@@ -58,14 +66,16 @@ def show_numbers(run: Run) -> None:
             f"incomplete: the run stopped before its end; vasculo run --resume --out {run.folder} goes on",
             soft_wrap=True,
         )
+    _show_origin(run, console)
     for stage in STAGES:
         rows = np.flatnonzero(run.metrics["stage"] == stage)
         if not len(rows):
             continue
-        table = _table(*_SHOWN[stage], title=stage)
+        shown = [name for name in _SHOWN[stage] if name in run.metrics]
+        table = _table(*shown, title=stage)
         picked = rows[np.unique(np.linspace(0, len(rows) - 1, _MOST_ROWS).round().astype(int))]
         for row in picked:
-            table.add_row(*(_cell(name, float(run.metrics[name][row])) for name in _SHOWN[stage]))
+            table.add_row(*(_cell(name, float(run.metrics[name][row])) for name in shown))
         console.print(table)
     if plexus := run.facts("plexus"):
         table = _table("plexus at the end", "value")
@@ -109,6 +119,18 @@ def passages_text(run: Run) -> str:
     return text.getvalue()
 
 
+def all_events(run: Run) -> str:
+    """Return everything that happened to the pillars as CSV."""
+    return events_text(run.events)
+
+
+def _show_origin(run: Run, console: Console) -> None:
+    """Print where a branch comes from, the latest last."""
+    for origin in run.facts("branch"):
+        changes = told([(path, old, new) for path, old, new in origin["changes"]])
+        console.print(f"branch of {origin['folder']} behind step {origin['step']}: {changes}", soft_wrap=True)
+
+
 def _show_pillars(run: Run, console: Console) -> None:
     domain = run.domain()
     found, chains = measure.pillars(domain), measure.chains(domain, run.pillars().lineage)
@@ -127,10 +149,14 @@ def _show_pillars(run: Run, console: Console) -> None:
     for name, column in values.items():
         table.add_row(name, *(f"{value:.4g}" for value in (column.min(), np.median(column), column.max())))
     console.print(table)
-    angles = np.concatenate([run.pillars(step).merge_angles for step in run.steps()])
+    events = run.events
+    angles = np.array([event.angle for event in events if event.kind == "merge"])
     text = f"pillars {len(found)}, {chains.fraction:.0%} of the original ones in chains"
     if len(angles):
         text += f"; mergers {len(angles)}, mean cos 2 phi {np.mean(np.cos(2.0 * np.radians(angles))):.2f} against x"
+    others = Counter(event.kind for event in events if event.kind != "merge")
+    if others:
+        text += "; " + ", ".join(f"{kind} {count}" for kind, count in sorted(others.items()))
     console.print(text, soft_wrap=True)
 
 

@@ -25,6 +25,9 @@ class Progress(Protocol):
     def advance(self, done: float, total: float, text: str) -> None:
         """Say how far the stage is, with its numbers in words."""
 
+    def note(self, text: str) -> None:
+        """Say something worth a line of its own."""
+
     def end(self, text: str) -> None:
         """Say that the stage is done, with what came out."""
 
@@ -36,6 +39,9 @@ class Silence:
         """Do nothing."""
 
     def advance(self, done: float, total: float, text: str) -> None:
+        """Do nothing."""
+
+    def note(self, text: str) -> None:
         """Do nothing."""
 
     def end(self, text: str) -> None:
@@ -52,12 +58,12 @@ def growth_progress(progress: Progress) -> Callable[[GrowthStep], None]:
     return show
 
 
-def remodel_progress(progress: Progress) -> Callable[[RemodelStep], None]:
-    """Show the angiogenesis."""
+def remodel_progress(progress: Progress, total: int) -> Callable[[RemodelStep], None]:
+    """Show the angiogenesis, which takes `total` steps at most."""
 
     def show(step: RemodelStep) -> None:
         text = f"step {step.step}: pillars {len(step.domain.pillars)}, mergers {step.merges_total}"
-        progress.advance(step.step, step.steps_total, f"{text}, triangles {len(step.mesh.triangles)}")
+        progress.advance(step.step, total, f"{text}, triangles {len(step.mesh.triangles)}")
 
     return show
 

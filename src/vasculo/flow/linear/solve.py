@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from scipy import sparse
 
     from vasculo.flow.assemble import System
+    from vasculo.flow.linear.kept import KeptAnalysis
     from vasculo.mesh.triangulation import Triangulation
 
 GOAL = 1e-13  # relative residual with a factor of A itself
@@ -54,6 +55,8 @@ class Solution(NamedTuple):
     analysis_seconds, factor_seconds, krylov_seconds : float
         By the clock: ordering and symbolic work, the numbers of the factor, the steps.
     factor_bytes : int
+    analysis : {"anew", "kept", "none"}
+        Whether the analysis was made for this matrix or kept from one before.
     why : str
         Why this solver, in one line.
     note : str
@@ -68,6 +71,7 @@ class Solution(NamedTuple):
     factor_seconds: float = 0.0
     krylov_seconds: float = 0.0
     factor_bytes: int = 0
+    analysis: str = "none"
     why: str = ""
     note: str = ""
 
@@ -79,6 +83,7 @@ def solve(
     solver: str = "auto",
     tolerance: float | None = None,
     memory: float | None = None,
+    kept: KeptAnalysis | None = None,
 ) -> Solution:
     """Solve the system of a flow.
 
@@ -95,6 +100,8 @@ def solve(
         1e-11 with one of the compact matrix; 1e-9 will do.
     memory : float, optional
         Bytes that the solution may take, with its factors; without it what is free.
+    kept : KeptAnalysis, optional
+        Use its analysis where the pattern of the matrix is the same, and leave the one of this matrix in it.
 
     Raises
     ------
@@ -117,7 +124,7 @@ def solve(
     failures: list[ComputationError | InputError] = []
     for name in names:
         try:
-            found = _solve(system, mesh, name, tolerance, left_for_factors(name, cells, allowed))
+            found = _solve(system, mesh, name, tolerance, left_for_factors(name, cells, allowed), kept)
         except TooLargeError as error:
             failures.append(error)
         except ComputationError as error:
@@ -140,12 +147,19 @@ def _check(tolerance: float | None, memory: float | None) -> None:
         raise InputError(f"memory is {memory!r}: give bytes, more than 0")
 
 
-def _solve(system: System, mesh: Triangulation, name: str, tolerance: float | None, memory: float | None) -> Solution:
+def _solve(
+    system: System,
+    mesh: Triangulation,
+    name: str,
+    tolerance: float | None,
+    memory: float | None,
+    kept: KeptAnalysis | None,
+) -> Solution:
     """Solve by one of the solvers."""
     near = name in COMPACT
     inverse = inverse_diagonal(system.blocks()) if near else None
     matrix = compact_matrix(mesh, system) if near else system.blocks()
-    with _factor(name, matrix, mesh, memory) as factor:
+    with _factor(name, matrix, mesh, memory, kept) as factor:
         del matrix
 
         def precondition(right: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -167,20 +181,23 @@ def _solve(system: System, mesh: Triangulation, name: str, tolerance: float | No
             f"{limit:.0e} is needed ({name}, {found.iterations} iterations): look for degenerate triangles, or a flow "
             "that no wall holds back"
         )
-    return Solution(found.unknowns, found.residual, name, found.iterations, *seconds, factor.bytes)
+    return Solution(found.unknowns, found.residual, name, found.iterations, *seconds, factor.bytes, factor.analysis)
 
 
 class _Factor(NamedTuple):
-    """What is known of a factor: its solve function, seconds of its two phases, bytes."""
+    """What is known of a factor: its solve function, seconds of its two phases, bytes, where the analysis is from."""
 
     solve: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     analysis_seconds: float
     factor_seconds: float
     bytes: int
+    analysis: str = "anew"
 
 
 @contextmanager
-def _factor(name: str, matrix: sparse.bsr_array, mesh: Triangulation, memory: float | None) -> Iterator[_Factor]:
+def _factor(
+    name: str, matrix: sparse.bsr_array, mesh: Triangulation, memory: float | None, kept: KeptAnalysis | None
+) -> Iterator[_Factor]:
     """Factor a matrix in the way of a solver."""
     if name == "schwarz":
         began = perf_counter()
@@ -189,7 +206,15 @@ def _factor(name: str, matrix: sparse.bsr_array, mesh: Triangulation, memory: fl
         with SchwarzFactor(matrix, part) as parts:
             yield _Factor(parts.solve, between - began, perf_counter() - between, parts.bytes)
         return
-    make = ScipyFactor(matrix, mesh.centroids, memory) if name.startswith("splu") else BlockFactor(matrix, memory)
+    if name.startswith("splu"):
+        with ScipyFactor(matrix, mesh.centroids, memory) as scipy_factor:
+            del matrix
+            yield _Factor(
+                scipy_factor.solve, scipy_factor.analysis_seconds, scipy_factor.factor_seconds, scipy_factor.bytes
+            )
+        return
+    make = BlockFactor(matrix, memory, kept)
     del matrix
     with make as factor:
-        yield _Factor(factor.solve, factor.analysis_seconds, factor.factor_seconds, factor.bytes)
+        where = "kept" if factor.is_kept else "anew"
+        yield _Factor(factor.solve, factor.analysis_seconds, factor.factor_seconds, factor.bytes, where)

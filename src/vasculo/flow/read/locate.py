@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import ceil, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numba import njit
@@ -15,10 +15,21 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from vasculo.geometry.arrays import Floats, Ints, Longs
-    from vasculo.mesh.triangulation import Triangulation
 
 SLACK = 1e-12  # a point this far outside, in barycentric coordinates, is still inside
 FEWEST = 4096  # points that are worth a thread
+
+
+class Triangles(Protocol):
+    """Points (n, 2) float64 and the triangles (t, 3) int32 between them."""
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Model length."""
+
+    @property
+    def triangles(self) -> NDArray[np.int32]:
+        """Counter-clockwise."""
 
 
 class Locator:
@@ -27,12 +38,13 @@ class Locator:
     Parameters
     ----------
     mesh : Triangulation
+        Or anything else with points and triangles.
     """
 
     # Strategy: each cell of a regular grid lists the triangles whose bounding boxes touch it, in ascending order; there
     # are about as many cells as triangles. A point asks the triangles of its cell. This needs no way through the fluid,
     # which has holes.
-    def __init__(self, mesh: Triangulation) -> None:
+    def __init__(self, mesh: Triangles) -> None:
         self.mesh = mesh
         self.low = mesh.points.min(axis=0)
         width, height = np.maximum(mesh.points.max(axis=0) - self.low, 1e-300)

@@ -7,10 +7,71 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from vasculo.mesh.adjacency import stars
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.geometry.arrays import Flags, Floats, Ints
+
+FADING = 3
+"""Layers of nodes that are carried along with a wall, besides those for the length of the move."""
+
+PER_EDGE = 3.0
+"""Layers more for each wall edge length that a wall node moves."""
+
+DEEPEST = 24
+"""Most layers that are carried along."""
+
+SWEEPS = 2
+"""Sweeps that even the moves out."""
+
+SMALL = 0.25
+"""Moves of fewer wall edges than this are not evened out: the smoothing does."""
+
+
+def carry_along(
+    points: NDArray[np.float64],
+    triangles: NDArray[np.int32],
+    walls: NDArray[np.int32],
+    on_wall: NDArray[np.bool_],
+    places: NDArray[np.float64],
+) -> tuple[NDArray[np.bool_], NDArray[np.int32], NDArray[np.int32]]:
+    """Move the walls to their places and, over some layers, the nodes behind them; overwrites `points` (n, 2).
+
+    Parameters
+    ----------
+    points : (n, 2) float64, model length
+    triangles : (t, 3) int32
+    walls : (b, 2) int32
+        Wall edges.
+    on_wall : (n,) bool
+        Nodes that go nowhere but to their places.
+    places : (n, 2) float64, model length
+        Where the wall nodes belong; all others as they are.
+
+    Returns
+    -------
+    touched : (n,) bool
+        Nodes that were carried.
+    first, star : (n + 1,) and (3 t,) int32
+        Result of `stars`.
+    """
+    moves = places - points
+    layer = np.where(moves.any(axis=1), 0, -1).astype(np.int32)
+    first, star = stars(triangles, len(points))
+    if not (layer == 0).any():
+        return layer == 0, first, star
+    ends = points[walls]
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    largest = float((np.hypot(*moves[walls[:, 0]].T) / length).max())
+    most = min(DEEPEST, FADING + int(np.ceil(PER_EDGE * largest)))
+    order = np.empty(len(layer), dtype=np.int32)
+    count = layers_from(triangles, first, star, on_wall, most, layer, order)
+    carry(triangles, first, star, layer, order, count, most, SWEEPS if largest > SMALL else 0, moves)
+    points += moves
+    points[on_wall] = places[on_wall]
+    return layer >= 0, first, star
 
 
 @njit(cache=True, error_model="numpy")

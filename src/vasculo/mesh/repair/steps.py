@@ -10,7 +10,7 @@ from vasculo.errors import ComputationError, InputError
 from vasculo.mesh.adjacency import stars
 from vasculo.mesh.generate import AREA_ROUNDING
 from vasculo.mesh.improve import smooth
-from vasculo.mesh.repair.carry import carry, layers_from, mark_around, mark_broken
+from vasculo.mesh.repair.carry import carry_along, mark_around, mark_broken
 from vasculo.mesh.repair.edit import cut_long_edges, draw_short_edges
 from vasculo.mesh.repair.fill import near_outlines, refill, with_ring
 from vasculo.mesh.repair.light import is_misfit
@@ -26,21 +26,6 @@ if TYPE_CHECKING:
     from vasculo.mesh.repair.match import Match
     from vasculo.mesh.repair.sizes import Wanted
     from vasculo.mesh.walls import Walls
-
-FADING = 3
-"""Layers of nodes that are carried along with a wall, besides those for the length of the move."""
-
-PER_EDGE = 3.0
-"""Layers more for each wall edge length that a wall node moves."""
-
-DEEPEST = 24
-"""Most layers that are carried along."""
-
-SWEEPS_CARRIED = 2
-"""Sweeps that even the moves out."""
-
-SMALL = 0.25
-"""Moves of fewer wall edges than this are not evened out: the smoothing does."""
 
 BROKEN = 0.15
 """A carried triangle with a mean ratio below this is taken out and its surroundings filled anew."""
@@ -112,25 +97,11 @@ class Repair:
 
     def _carry(self) -> NDArray[np.bool_]:
         """Move the walls and, over some layers, the nodes behind them; which nodes have moved, (n,) bool."""
-        work, places = self.work, self.places
-        moves = places - work.points
-        layer = np.where(moves.any(axis=1), 0, -1).astype(np.int32)
-        if not (layer == 0).any():
-            return layer == 0
-        ends = work.points[self.mesh.boundary_edges]
-        length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-        away = np.hypot(*moves[self.mesh.boundary_edges[:, 0]].T)
-        largest = float((away / length).max())
-        most = min(DEEPEST, FADING + int(np.ceil(PER_EDGE * largest)))
-        first, star = stars(work.triangles, len(work.points))
-        order = np.empty(len(layer), dtype=np.int32)
-        count = layers_from(work.triangles, first, star, work.wall != INNER, most, layer, order)
-        carry(work.triangles, first, star, layer, order, count, most, SWEEPS_CARRIED if largest > SMALL else 0, moves)
-        work.points += moves
-        on_wall = work.wall != INNER
-        work.points[on_wall] = places[on_wall]
-        self.first, self.star = first, star
-        return layer >= 0
+        work = self.work
+        touched, self.first, self.star = carry_along(
+            work.points, work.triangles, self.mesh.boundary_edges, work.wall != INNER, self.places
+        )
+        return touched
 
     def _let_be(self, touched: NDArray[np.bool_]) -> bool:
         """Smooth and flip a mesh that was only carried along; False if it needs more than that."""
