@@ -129,7 +129,10 @@ def same_picture(number: int, pairs: dict[str, tuple[Run, Run]]) -> list[Row]:
 
 
 def finer_meshes(seeds: int) -> list[Row]:
-    """Reach 5: membrane and flow mesh of half the size; cap, merge gap and closing stay as long as they are."""
+    """Reach 5: membrane and flow mesh of half the size, to the same accumulated strain.
+
+    Cap, merge gap, closing and the length over which the shear is smoothed stay as they are.
+    """
     usual = vc.Angiogenesis()
     half = {
         "membrane_spacing": usual.membrane_spacing / 2,
@@ -138,8 +141,14 @@ def finer_meshes(seeds: int) -> list[Row]:
         "step_cap": usual.step_cap * 2,
         "merge_gap": usual.merge_gap * 2,
         "closing": usual.closing * 2,
+        "smoothing": usual.smoothing * 4,
+        "steps": 200,
     }
-    return same_picture(5, {f"seed {seed}": (sixteen(seed), sixteen(seed, **half)) for seed in range(seeds)})
+    pairs = {}
+    for seed in range(seeds):
+        found = sixteen(seed)
+        pairs[f"seed {seed}"] = (found, sixteen(seed, **half, strain_limit=float(found.time[-1])))
+    return same_picture(5, pairs)
 
 
 def smaller_steps(number: int, seeds: int, activation: float) -> list[Row]:

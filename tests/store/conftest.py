@@ -41,6 +41,7 @@ def state_of(step, outlines, lineage):
         merges_total=step,
         next_pillar=3,
         quiet_steps=step // 2,
+        mesh_points=np.zeros((0, 2)),
         matrix_points=matrix,
         matrix_reference=matrix + 1.0,
         matrix_springs=np.array([[0, 1], [1, 2]], dtype=np.int32)[: len(matrix)],

@@ -80,7 +80,7 @@ class Corridors:
 
     @property
     def effective_counts(self) -> Floats:
-        """Lanes that carry the flow at each station, (sum |q|)^2 / sum q^2; (s,) float64.
+        """Lanes that carry the flow at each station, (sum of abs q)^2 / sum q^2; (s,) float64.
 
         n where n lanes carry the same; 1 where one carries all; 0 where nothing flows.
         """
