@@ -100,7 +100,7 @@ def picture(ellipses: dict[float, Body], lens: dict[int, tuple[float, Body]], pa
     first = ellipses[1.0].flow
     for axes, title, value in zip(
         figure.subplots(1, 2),
-        ("flow rate over that of the disk", "spread of the wall shear"),
+        ("flow rate over that of the circle", "spread of the wall shear"),
         (lambda b: b.flow / first, lambda b: b.spread),
         strict=True,
     ):
