@@ -51,11 +51,17 @@ def many_cells(across, up, traction=0.0):
     """A block of cells in a matrix that `lay_matrix` makes, with activation along x and y in turns."""
     centres = [(3.0 * i + 2.0, 3.0 * j + 2.0) for i in range(across) for j in range(up)]
     domain = Domain.rectangle(3.0 * across + 1.0, 3.0 * up + 1.0, [disk(20, 1.0, *place) for place in centres])
-    matrix = lay_matrix(domain, 0.6)
-    points, starts = stack(domain.pillars)
+    points, _ = stack(domain.pillars)
     direction = points - np.repeat(centres, 20, axis=0)
     turn = np.repeat(np.arange(len(centres)) % 2 * 0.5 * np.pi, 20)
     activation = np.pi / 2 * np.abs(np.sin(np.arctan2(direction[:, 1], direction[:, 0]) + turn)) - 1
+    return in_a_matrix(domain, activation, traction)
+
+
+def in_a_matrix(domain, activation, traction=0.0):
+    """Cells of a domain in the matrix that `lay_matrix` makes."""
+    matrix = lay_matrix(domain, 0.6)
+    points, starts = stack(domain.pillars)
     return matrix.points, Network(
         starts=starts,
         filaments=filaments(points, points, starts, activation, 0.08, 10.0, 3.5),
@@ -110,22 +116,8 @@ def test_a_chain_across_the_grid_stays_in_the_band_and_stable():
     pillars = [disk(20, 1.0, 3.0 * i + 2.0, 3.0 * j + 2.0) for i in range(14) for j in range(9) if j != 4]
     bar = np.array([(1.0, 13.0), (42.0, 13.0), (42.0, 15.0), (1.0, 15.0)])
     domain = Domain.rectangle(43.0, 28.0, [*pillars, resample(bar, 0.5)])
-    matrix = lay_matrix(domain, 0.6)
-    points, starts = stack(domain.pillars)
-    network = Network(
-        starts=starts,
-        filaments=filaments(points, points, starts, np.sin(points[:, 0]), 0.08, 10.0, 3.5),
-        membrane_rest=side_lengths(points, starts),
-        membrane_ratio=1.0,
-        springs=matrix.springs,
-        spring_rest=matrix.rest_lengths,
-        rest_areas=domain.pillar_areas,
-        area_stiffness=300.0,
-        bending=10.0,
-        loads=np.zeros_like(points),
-        pinned=matrix.pinned,
-    )
-    result = relax(matrix.points, network, 1e-8)
+    points, network = in_a_matrix(domain, np.sin(stack(domain.pillars)[0][:, 0]))
+    result = relax(points, network, 1e-8)
     assert result.converged
     assert np.abs(forces_plain(result.points, network)[~network.pinned]).max() < 1e-6
 

@@ -11,6 +11,8 @@ from scipy.interpolate import CubicSpline
 from vasculo.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
 COINCIDENT = 1e-12
@@ -99,6 +101,11 @@ def signed_area(outline: NDArray[np.float64]) -> float:
     """Area of a closed polygon, positive when counter-clockwise; (k, 2) float64 in, model length squared out."""
     x, y = (outline - outline[0]).T
     return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(np.roll(x, -1), y))
+
+
+def outline_areas(outlines: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Signed area of each of some closed polygons; (p,) float64, model length squared."""
+    return np.array([signed_area(outline) for outline in outlines])
 
 
 def perimeter(outline: NDArray[np.float64]) -> float:

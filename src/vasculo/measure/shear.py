@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import InputError
+from vasculo.flow.read.forces import pillar_walls
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -165,8 +166,7 @@ def shear_ratio(flow: Flow) -> float:
 
 def _pillar_walls(flow: Flow) -> tuple[Flags, Floats]:
     """Which wall edges belong to pillars, and their lengths."""
-    mine = flow.wall_pillar >= 0
+    mine, lengths = pillar_walls(flow)
     if not mine.any():
         raise InputError(f"no pillar has a wall: {len(flow.wall_edges)} wall edges, all on the outer boundary")
-    ends = flow.mesh.points[flow.wall_edges[mine]]
-    return mine, np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    return mine, lengths

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vasculo.errors import ComputationError
-from vasculo.flow.read.forces import wall_force
+from vasculo.flow.read.forces import pillar_walls, wall_force
 from vasculo.pillars.cell import node_lengths, ring, side_lengths
 from vasculo.pillars.responses import respond
 
@@ -74,11 +74,10 @@ def flow_wall(
     on_pillar : bool array
         Which edges of ``flow.wall_edges`` they are.
     """
-    on_pillar = flow.wall_pillar >= 0
-    ends = flow.mesh.points[flow.wall_edges[on_pillar]]
-    vector = ends[:, 1] - ends[:, 0]
-    side, fraction = wall_sides(ends.mean(axis=1), flow.wall_pillar[on_pillar], points, starts)
-    return side, fraction, np.hypot(vector[:, 0], vector[:, 1]), on_pillar
+    on_pillar, length = pillar_walls(flow)
+    middles = flow.mesh.points[flow.wall_edges[on_pillar]].mean(axis=1)
+    side, fraction = wall_sides(middles, flow.wall_pillar[on_pillar], points, starts)
+    return side, fraction, length, on_pillar
 
 
 def node_shear(

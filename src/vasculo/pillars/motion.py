@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 MAX_SWEEPS = 5_000
 BALANCED = 1e-5  # force over the first at which soft cells that still quiver count as at rest
-TOLERANCE = {"active": 2e-3, "hanging": 2e-4}  # velocity over displacement at rest
+TOLERANCE = {"active": 2e-3, "hanging": 2e-4}  # way still to go over the largest displacement at rest
 
 
 @dataclass(frozen=True, slots=True)

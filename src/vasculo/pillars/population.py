@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vasculo.errors import ComputationError
-from vasculo.geometry.outline import centroid, signed_area
+from vasculo.geometry.outline import centroid, outline_areas
 from vasculo.pillars.erosion import vanishing
 from vasculo.pillars.events import Event
 from vasculo.pillars.splitting import shared_areas, split_thin
@@ -44,11 +44,6 @@ class Population(NamedTuple):
     lineage: Lineage
     source: NDArray[np.integer]
     next_pillar: int
-
-
-def outline_areas(outlines: Sequence[Floats]) -> Floats:
-    """Signed area of each outline; (p,) float64, model length squared."""
-    return np.array([signed_area(outline) for outline in outlines])
 
 
 def vanish(population: Population, smallest: float, step: int, time: float) -> tuple[Population, tuple[Event, ...]]:

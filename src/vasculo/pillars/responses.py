@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,6 +77,17 @@ def find_response(name: str) -> Law:
     if name not in _LAWS:
         raise InputError(f"response = {name!r} is not one of {', '.join(sorted(_LAWS))}")
     return _LAWS[name]
+
+
+def known_responses() -> dict[str, Law]:
+    """Return a copy of all laws, by name."""
+    return dict(_LAWS)
+
+
+def restore_responses(laws: Mapping[str, Law]) -> None:
+    """Put the registry back to what `known_responses` gave."""
+    _LAWS.clear()
+    _LAWS.update(laws)
 
 
 def respond(name: str, shear: Floats, mean: float, position: Floats, limit: float) -> Floats:

@@ -10,6 +10,7 @@ import numpy as np
 
 from vasculo.errors import ComputationError
 from vasculo.flow.boundary import Pressure, Slip, Wall
+from vasculo.flow.read.forces import pillar_walls
 from vasculo.flow.stokes import solve_stokes
 from vasculo.mesh.generate import generate_mesh
 from vasculo.pillars.activation import activation, node_shear, node_traction, pillar_means, rolled
@@ -145,9 +146,7 @@ def mean_shear(flow: Flow) -> float:
     ComputationError
         If it is zero.
     """
-    mine = flow.wall_pillar >= 0
-    vector = np.diff(flow.mesh.points[flow.wall_edges[mine]], axis=1)[:, 0]
-    length = np.hypot(vector[:, 0], vector[:, 1])
+    mine, length = pillar_walls(flow)
     mean = float((np.abs(flow.wall_shear[mine]) * length).sum() / length.sum())
     if not mean > 0.0:
         raise ComputationError("no shear acts on any pillar at the start: the inlet and the outlet are not connected")

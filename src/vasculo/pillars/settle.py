@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vasculo.geometry.outline import perimeter, resample, signed_area
+from vasculo.geometry.outline import outline_areas, perimeter, resample
 from vasculo.pillars.cell import stack
 from vasculo.pillars.erosion import SMALLEST, erode
 from vasculo.pillars.matrix import no_matrix
@@ -15,7 +15,7 @@ from vasculo.pillars.memory import carry_reference, follow
 from vasculo.pillars.merge import merge
 from vasculo.pillars.outlines import MARGIN, inner_polygon, keep_inside, tidy, uncrossed
 from vasculo.pillars.parameters import MINIMUM_NODES
-from vasculo.pillars.population import Population, outline_areas, part, vanish
+from vasculo.pillars.population import Population, part, vanish
 from vasculo.pillars.splitting import NECK
 from vasculo.pillars.state import RemodelState
 
@@ -51,7 +51,7 @@ def begin(domain: Domain, parameters: Angiogenesis) -> tuple[Domain, RemodelStat
         points=points,
         reference=points,
         starts=starts,
-        rest_areas=np.array([signed_area(outline) for outline in even.pillars]),
+        rest_areas=outline_areas(even.pillars),
         members=members,
         member_starts=member_starts,
         touching=np.zeros(count, dtype=np.bool_),

@@ -8,8 +8,9 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
-from vasculo.geometry.outline import as_outline, resample, signed_area
+from vasculo.geometry.outline import as_outline, outline_areas, resample
 from vasculo.pillars.cell import side_lengths, stack
+from vasculo.pillars.gaps import DETOUR
 from vasculo.pillars.parameters import MINIMUM_NODES
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 NECK = 0.25  # thickness at which a neck parts, merge gaps
 CLEAR = 4.4  # the parts then stand so many neck thicknesses apart: a tenth more than the gap at which they would merge
-DETOUR = 3.0  # two places of a membrane face each other if the way along is so many times the way across
 
 
 def split_thin(
@@ -123,5 +123,5 @@ def shared_areas(
     (q,) float64, model length squared
         With the same sum.
     """
-    areas = np.array([signed_area(outline) for outline in outlines])
+    areas = outline_areas(outlines)
     return rest_areas[source] * areas / np.bincount(source, areas)[source]

@@ -8,13 +8,13 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from vasculo.errors import InputError
-from vasculo.pillars import responses
+from vasculo.pillars.responses import Law, known_responses, restore_responses
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 _MODULE = "vasculo_study_laws"
-_loaded: dict[str, responses.Law | None] = {}  # what the present file registered, and what stood there before
+_loaded: dict[str, Law | None] = {}  # what the present file registered, and what stood there before
 
 
 def load_laws(path: Path, where: str) -> tuple[str, ...]:
@@ -39,7 +39,7 @@ def load_laws(path: Path, where: str) -> tuple[str, ...]:
         line of the file.
     """
     forget_laws()
-    known = dict(responses._LAWS)  # noqa: SLF001  # the registry
+    known = known_responses()
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
@@ -53,10 +53,9 @@ def load_laws(path: Path, where: str) -> tuple[str, ...]:
         exec(compile(text, str(path), "exec"), module.__dict__)  # noqa: S102  # what the study asks for
     except (Exception, SystemExit) as error:  # noqa: BLE001  # whatever the file raises
         message = f"{where} does not run: {_told(error, path)}"
-        responses._LAWS.clear()  # noqa: SLF001
-        responses._LAWS.update(known)  # noqa: SLF001
+        restore_responses(known)
         raise InputError(message) from None
-    _loaded.update({name: known.get(name) for name, law in responses._LAWS.items() if law is not known.get(name)})  # noqa: SLF001
+    _loaded.update({name: known.get(name) for name, law in known_responses().items() if law is not known.get(name)})
     if not _loaded:
         raise InputError(f'{where} registers no cell response: write @vasculo.cell_response("name") above a function')
     return tuple(sorted(_loaded))
@@ -64,10 +63,8 @@ def load_laws(path: Path, where: str) -> tuple[str, ...]:
 
 def forget_laws() -> None:
     """Take back what the present file registered."""
-    for name, before in _loaded.items():
-        responses._LAWS.pop(name, None)  # noqa: SLF001
-        if before is not None:
-            responses._LAWS[name] = before  # noqa: SLF001
+    laws = known_responses() | _loaded
+    restore_responses({name: law for name, law in laws.items() if law is not None})
     _loaded.clear()
 
 

@@ -50,6 +50,13 @@ def wall_force(flow: Flow, part: Part = "full") -> NDArray[np.float64]:
     return force
 
 
+def pillar_walls(flow: Flow) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Which of ``flow.wall_edges`` are on pillars (w,), and the length of each of these (v,), model length."""
+    mine = flow.wall_pillar >= 0
+    ends = flow.mesh.points[flow.wall_edges[mine]]
+    return mine, np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+
+
 def node_force(flow: Flow, part: Part = "full") -> NDArray[np.float64]:
     """Force of the fluid on each wall node: half of the force on each of its two edges.
 
