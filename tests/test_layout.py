@@ -16,7 +16,7 @@ FLOORS = [
     {"flow"},
     {"pillars", "measure"},
     {"store"},
-    {"draw"},
+    {"draw", "view"},
     {"study"},
     {"cli"},
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from typing import TYPE_CHECKING, Any
 
-from vasculo.errors import InputError
+from vasculo.errors import missing_extra
 from vasculo.store.table import write_whole
 
 try:
@@ -13,7 +13,7 @@ try:
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.figure import Figure
 except ImportError:
-    raise InputError("pictures need matplotlib: pip install 'vasculo[draw]' brings it") from None
+    raise missing_extra("pictures", "matplotlib", "draw") from None
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,7 +11,7 @@ from vasculo.draw.chains import chain_classes, draw_lanes
 from vasculo.draw.flow import draw_mesh, draw_speed, mesh_box, speed_scale
 from vasculo.draw.pillars import draw_pillars_over, draw_shear, shear_scale
 from vasculo.draw.springs import draw_springs, sharpness, whole_tissue, zoom
-from vasculo.errors import InputError
+from vasculo.errors import InputError, missing_extra
 from vasculo.store.read import FIGURES
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def draw_movie(run: Run, what: What) -> Path:
     try:
         from imageio_ffmpeg import get_ffmpeg_exe  # type: ignore[import-untyped]  # noqa: PLC0415  # an extra
     except ImportError:
-        raise InputError("films need imageio-ffmpeg: pip install 'vasculo[draw]' brings it") from None
+        raise missing_extra("films", "imageio-ffmpeg", "draw") from None
     from matplotlib import rc_context  # noqa: PLC0415
     from matplotlib.animation import FFMpegWriter  # noqa: PLC0415
 

@@ -24,6 +24,7 @@ from vasculo.store.ragged import Ragged
 from vasculo.store.record import READABLE, first_line
 from vasculo.store.states import state_of
 from vasculo.store.table import COLUMNS, STAGES
+from vasculo.store.units import Units
 from vasculo.store.vtkhdf import TransientGrid
 
 if TYPE_CHECKING:
@@ -185,6 +186,11 @@ class Run:
     def __repr__(self) -> str:
         state = "complete" if self.complete else "incomplete"
         return f"Run({str(self.folder)!r}, {state}, {len(self.frames)} recorded steps)"
+
+    @property
+    def units(self) -> Units:
+        """Physical units that the study names."""
+        return Units(**self.settings.get("units", {}))
 
     def steps(self, stage: str = "angiogenesis") -> list[int]:
         """List the recorded steps of a stage."""

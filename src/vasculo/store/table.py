@@ -108,6 +108,22 @@ MEANINGS = {
 }
 """What each column means, a line each."""
 
+UNIT_OF = {
+    "mean_gap": "length",
+    "corridor_width": "length",
+    "corridor_run": "length",
+    "permeability": "area",
+    "mean_wall_shear": "pressure",
+    "resistance": "resistance",
+    "angle": "angle",
+    "local_angle": "angle",
+    "seconds": "seconds",
+    "seconds_mesh": "seconds",
+    "seconds_flow": "seconds",
+    "seconds_cells": "seconds",
+}
+"""Dimension of a column, as `vasculo.store.units` names it; the others are pure numbers or model time."""
+
 Row = dict[str, float]
 
 

@@ -12,6 +12,7 @@ from vasculo.errors import InputError
 from vasculo.pillars.parameters import Angiogenesis
 from vasculo.plexus.parameters import Extraction
 from vasculo.plexus.voronoi import disk_domain, voronoi_plexus
+from vasculo.store.units import Units
 from vasculo.study.outlines import outlines_domain
 from vasculo.study.schema import keys_of
 from vasculo.tissue.lattice import FEWEST, MOST, check_lattice, lattice
@@ -113,29 +114,6 @@ class OutputKeys:
 
 
 @dataclass(frozen=True)
-class UnitKeys:
-    """Physical units, for labels, tables and the report only; everything is computed in model units.
-
-    Parameters
-    ----------
-    length : float
-        Micrometres in one model length (the side of the tissue, R0 of a block or disk, a pixel of a picture); no
-        default.
-    shear : float
-        dyn/cm2 in one model pressure; no default.
-    """
-
-    length: float | None = None
-    shear: float | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("length", "shear"):
-            value = getattr(self, name)
-            if value is not None and not 0.0 < value < float("inf"):
-                raise InputError(f"{name} = {value!r} is not a number above 0")
-
-
-@dataclass(frozen=True)
 class Section:
     """One section of a study file.
 
@@ -191,7 +169,7 @@ EXTRACTION = Section("extraction", "From the plexus to pillars and tubules", Ext
 ANGIOGENESIS = Section("angiogenesis", "Remodelling of the pillars in the flow", Angiogenesis)
 BRANCH = Section("branch", "Where the angiogenesis changes its settings on the way", BranchKeys)
 OUTPUT = Section("output", "What is kept", OutputKeys)
-UNITS = Section("units", "Physical units for labels and tables", UnitKeys)
+UNITS = Section("units", "Physical units for labels and tables", Units)
 
 ORDER = ("study", "domain", "tissue", "vasculogenesis", "extraction", "angiogenesis", "output", "units")
 _FIXED = (STUDY, TISSUE, VASCULOGENESIS, EXTRACTION, ANGIOGENESIS, OUTPUT, UNITS)

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from vasculo.errors import InputError
+from vasculo.store.units import Units
 from vasculo.study.complaints import one_line, parse_error, unknown_section
 from vasculo.study.laws import forget_laws, load_laws
 from vasculo.study.schema import keys_of, model_of
@@ -23,7 +24,6 @@ from vasculo.study.sections import (
     OutputKeys,
     Section,
     StudyKeys,
-    UnitKeys,
     domain_section,
     unused_sections,
 )
@@ -44,7 +44,7 @@ class Settings:
 
     Attributes
     ----------
-    study, output, units : StudyKeys, OutputKeys, UnitKeys
+    study, output, units : StudyKeys, OutputKeys, Units
         The sections of these names.
     kind : str
         Where the pillars come from: "tissue", "voronoi", "disk" or "outlines".
@@ -68,7 +68,7 @@ class Settings:
     extraction: Extraction
     angiogenesis: Angiogenesis
     output: OutputKeys
-    units: UnitKeys = field(default_factory=UnitKeys)
+    units: Units = field(default_factory=Units)
     folder: Path = field(default=Path(), compare=False)
     branches: tuple[BranchKeys, ...] = ()
     laws: Path | None = field(default=None, compare=False)
