@@ -1,4 +1,4 @@
-"""Physical units of a run: all is computed in model units, and told in micrometres and dyn/cm2 where these are known."""
+"""Physical units of a run: all is computed in model units, and told in um and dyn/cm2 where these are known."""
 
 from __future__ import annotations
 
