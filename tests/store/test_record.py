@@ -134,21 +134,17 @@ def test_no_run(tmp_path):
 
 def test_foreign_and_damaged_files(folder):
     path = folder / "run.vtkhdf"
-    whole = path.read_bytes()
-    path.write_bytes(whole[: len(whole) // 2])
+    path.write_bytes(b"not HDF5 at all")
     with pytest.raises(InputError, match="no readable record") as caught:
         open_run(folder)
     assert "\n" not in str(caught.value)
-    path.write_bytes(b"not HDF5 at all")
-    with pytest.raises(InputError, match="no readable record"):
-        open_run(folder)
     path.unlink()
     with h5py.File(path, "w") as file:
         file["x"] = 1
     with pytest.raises(InputError, match="no readable record"):
         open_run(folder)
     with h5py.File(path, "w") as file:
-        file.create_group("run").attrs["format"] = 99
+        file.create_group("run").attrs.update({"format": 99, "version": "9"})
         file.create_group("VTKHDF")
     with pytest.raises(InputError, match="record format 99"):
         open_run(folder)

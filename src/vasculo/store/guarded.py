@@ -34,14 +34,14 @@ def undo_path(path: Path) -> Path:
 
 
 def mend(path: Path) -> None:
-    """Bring a file whose writer was killed back to its last flush.
+    """Bring a file whose writer was killed back to its last flush; one that was cut short since then is left as it is.
 
     Raises
     ------
     InputError
         When another process is writing the file.
     """
-    if undo_path(path).exists():
+    if undo_path(path).exists() and not _is_cut(path):
         GuardedFile(path, "r+").close()
 
 
@@ -201,6 +201,15 @@ def _left_behind(path: Path) -> tuple[int, Pieces] | None:
         pieces.append((start, content[at : at + count]))
         at += count
     return size, pieces
+
+
+def _is_cut(path: Path) -> bool:
+    """Whether bytes of the last flush are neither in the file nor among those that a killed process left."""
+    left, there = _left_behind(undo_path(path)), path.stat().st_size
+    if left is None:
+        return False
+    size, pieces = left
+    return there < size and not any(start <= there and start + len(data) >= size for start, data in pieces)
 
 
 @contextmanager

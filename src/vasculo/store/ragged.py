@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+_CHUNK = 512  # values; few frames share a chunk, so that few are lost where a file is damaged
+
+
 class Ragged:
     """Named arrays a frame in an HDF5 group; `ends/<name>` holds the row behind the last of each frame.
 
@@ -34,7 +37,7 @@ class Ragged:
     def append(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Append one frame."""
         for name, rows in arrays.items():
-            start = extend(self.group, name, np.asarray(rows))
+            start = extend(self.group, name, np.asarray(rows), _CHUNK)
             extend(self.ends, name, np.array([start + len(rows)]))
 
     def read(self, index: int, wanted: Container[str] | None = None) -> dict[str, NDArray[Any]]:

@@ -4,35 +4,44 @@ from __future__ import annotations
 
 import json
 import tomllib
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
+from vasculo import __version__
 from vasculo.errors import InputError
 from vasculo.geometry.domain import Domain
 from vasculo.mesh.triangulation import Triangulation
 from vasculo.pillars.events import Event
+from vasculo.shown import Shown
 from vasculo.store.events import events_of
 from vasculo.store.frames import BOUNDARY
 from vasculo.store.guarded import mend
 from vasculo.store.ragged import Ragged
 from vasculo.store.record import READABLE, first_line
+from vasculo.store.shortened import open_to_read, shortened
 from vasculo.store.states import state_of
-from vasculo.store.table import COLUMNS, STAGES
+from vasculo.store.steps import FlowFields, Frame, Pillars, Springs
+from vasculo.store.table import COLUMNS, STAGES, from_csv
 from vasculo.store.units import Units
 from vasculo.store.vtkhdf import TransientGrid
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterator
 
+    import h5py
     from numpy.typing import NDArray
 
     from vasculo.pillars.state import RemodelState
+
+    Floats = NDArray[np.float64]
+    Columns = dict[str, Floats]
+
+__all__ = ["FlowFields", "Frame", "Pillars", "Run", "Springs", "open_run"]
 
 RECORD = "run.vtkhdf"
 CHECKPOINT = "checkpoint.h5"
@@ -43,102 +52,7 @@ FIGURES = "figures"
 LOG = "log.txt"
 
 
-@dataclass(frozen=True)
-class Frame:
-    """One recorded step: where it stands in the record, its stage, step and time."""
-
-    index: int
-    stage: str
-    step: int
-    time: float
-
-
-@dataclass(frozen=True)
-class Springs:
-    """The tissue at one recorded step.
-
-    Attributes
-    ----------
-    points, velocities : (n, 2) float64
-        Nodes; model length, model length per time.
-    springs : (m, 2) int32
-        Living springs.
-    forces : (m,) float64
-        Their forces, positive when stretched.
-    box : tuple of float or None
-        Width and height of the box of a periodic tissue, which begins at the origin; model length. None: not periodic.
-    """
-
-    points: NDArray[np.float64]
-    velocities: NDArray[np.float64]
-    springs: NDArray[np.int32]
-    forces: NDArray[np.float64]
-    box: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
-class FlowFields:
-    """The flow at one recorded step, under the names of `vasculo.Flow`.
-
-    Attributes
-    ----------
-    mesh : Triangulation
-        Flow mesh.
-    velocity, pressure : (t, 2) and (t,) float64
-        Values a triangle; model length per time, model pressure.
-    nodes : (n, 2) float64
-        Velocity at the mesh nodes.
-    wall_edges : (w, 2) int32
-        No-slip edges, fluid on the left.
-    wall_pillar : (w,) int32
-        Pillar of each, -1 for the outer wall.
-    wall_shear : (w,) float64
-        Signed wall shear along the edge, model pressure.
-    """
-
-    mesh: Triangulation
-    velocity: NDArray[np.float64]
-    pressure: NDArray[np.float64]
-    nodes: NDArray[np.float64]
-    wall_edges: NDArray[np.int32]
-    wall_pillar: NDArray[np.int32]
-    wall_shear: NDArray[np.float64]
-
-    def node_velocity(self) -> NDArray[np.float64]:
-        """Velocity at the mesh nodes; (n, 2) float64."""
-        return self.nodes
-
-
-@dataclass(frozen=True)
-class Pillars:
-    """The pillars at one recorded step.
-
-    Attributes
-    ----------
-    outlines : list of (k, 2) float64
-        Counter-clockwise, model length.
-    lineage : tuple of tuple of int
-        Original pillars in each.
-    activation, node_shear : list of (k,) float64
-        Activation (-1 to 1) and magnitude of the wall shear at each node.
-    events : tuple of Event
-        What happened since the recorded step before; of records of format 1 the mergers only, without place and
-        pillars.
-    """
-
-    outlines: list[NDArray[np.float64]]
-    lineage: tuple[tuple[int, ...], ...]
-    activation: list[NDArray[np.float64]]
-    node_shear: list[NDArray[np.float64]]
-    events: tuple[Event, ...]
-
-    @property
-    def merge_angles(self) -> NDArray[np.float64]:
-        """Directions of the mergers among the events, degrees against x; (m,) float64."""
-        return np.array([event.angle for event in self.events if event.kind == "merge"], dtype=np.float64)
-
-
-class Run:
+class Run(Shown):
     """A run on disk; made by `open_run`. The file is open only while something is read from it.
 
     Attributes
@@ -148,7 +62,9 @@ class Run:
     path : Path
         Its record.
     complete : bool
-        Whether the run came to its end.
+        Whether the run came to its end, and all of its record is there.
+    damage : str
+        What is missing of a record that was cut short, in words; empty when it is all there.
     version : str
         Version of the program that made it.
     id : str
@@ -156,41 +72,58 @@ class Run:
     settings : dict
         The resolved study, as read from its TOML text.
     frames : tuple of Frame
-        What was recorded, in order.
+        What was recorded, in order; of a record that was cut short the steps that are whole.
     metrics : dict of str to array
-        The table of numbers: `stage` as text, the other columns float64 with NaN where a cell does not apply.
+        The table of numbers, a row a recorded step: `stage` as text, the other columns float64 with NaN where a cell
+        does not apply.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.folder = path.parent
-        with h5py.File(path) as file:
+        self.damage = shortened(path)
+        with open_to_read(path) as file:
             run = file["run"]
-            if run.attrs["format"] not in READABLE:
-                known = " and ".join(map(str, READABLE))
-                raise InputError(f"{path} has record format {run.attrs['format']}, this version reads format {known}")
-            self.complete = bool(run.attrs["complete"])
             self.version = str(run.attrs["version"])
+            _require_readable(path, int(run.attrs["format"]), self.version)
+            self.complete = bool(run.attrs["complete"])
             self.id = str(run.attrs.get("id", ""))
-            self.settings_text = run["settings"].asstr()[()]
-            count = len(TransientGrid(file["VTKHDF"]))
-            columns = {name: run["metrics"][name][:count] for name in COLUMNS if name in run["metrics"]}
+            self.settings_text = self._settings_text(run)
+            columns = _columns(run, len(TransientGrid(file["VTKHDF"])))
         self.settings: dict[str, Any] = tomllib.loads(self.settings_text)
-        numbers = columns.pop("stage", np.empty(0)).astype(int)
-        self.metrics: dict[str, NDArray[Any]] = {"stage": np.array([STAGES[n] for n in numbers], dtype="<U16")}
+        numbers = columns.pop("stage")
+        if self.damage:
+            self.complete = False
+            columns, numbers = self._with_table(columns, numbers)
+        self.metrics: dict[str, NDArray[Any]] = {"stage": np.array([STAGES[int(n)] for n in numbers], dtype="<U16")}
         self.metrics |= columns
-        self.frames = tuple(
-            Frame(i, STAGES[n], int(columns["step"][i]), float(columns["time"][i])) for i, n in enumerate(numbers)
-        )
+        steps, times = columns["step"], columns["time"]
+        self.frames = tuple(Frame(i, STAGES[int(n)], int(steps[i]), float(times[i])) for i, n in enumerate(numbers))
+        if self.damage:
+            self.frames = tuple(frame for frame in self.frames if self._is_whole(frame))
+            if not self.frames:
+                raise OSError(f"no one of {len(numbers)} recorded steps is whole")
+
+    @property
+    def caveat(self) -> str:
+        """What to know before relying on this run, one line; empty when it came to its end and is all there."""
+        if self.damage:
+            whole, steps = len(self.frames), len(self.metrics["stage"])
+            return f"{self.path} is {self.damage}; {whole} of {steps} recorded steps are whole and can be read"
+        go_on = f"vasculo run --resume --out {self.folder} goes on"
+        return "" if self.complete else f"incomplete: the run stopped before its end; {go_on}"
 
     def __repr__(self) -> str:
-        state = "complete" if self.complete else "incomplete"
+        state = "cut short" if self.damage else "complete" if self.complete else "incomplete"
         return f"Run({str(self.folder)!r}, {state}, {len(self.frames)} recorded steps)"
 
     @property
     def units(self) -> Units:
-        """Physical units that the study names."""
-        return Units(**self.settings.get("units", {}))
+        """Physical units that the study names, for the model viscosity that it computes with."""
+        named = Units(**self.settings.get("units", {}))
+        if named.viscosity is None:
+            return named
+        return replace(named, viscosity=named.viscosity / self.settings.get("angiogenesis", {}).get("viscosity", 1.0))
 
     def steps(self, stage: str = "angiogenesis") -> list[int]:
         """List the recorded steps of a stage."""
@@ -269,7 +202,7 @@ class Run:
         """
         if not self._holds("states/ends/scalars"):
             raise InputError(f"{self.path} holds no states to go on from: it is of an earlier version")
-        with _reading(self.path, " in its states"), h5py.File(self.path) as file:
+        with _reading(self.path, " in its states"), open_to_read(self.path) as file:
             scalars = tuple(json.loads(file["run/states"].attrs["scalars"]))
         frame = self._rows("pillars", step, {"points", "sizes", "members", "member_sizes"})
         return state_of(self._rows("states", step), scalars, frame)
@@ -284,7 +217,7 @@ class Run:
 
     def domain(self, step: int | None = None) -> Domain:
         """Domain at a step of the angiogenesis, the last one when `step` is None."""
-        with _reading(self.path, " in its domain"), h5py.File(self.path) as file:
+        with _reading(self.path, " in its domain"), open_to_read(self.path) as file:
             if "domain" not in file["run"]:
                 raise InputError(f"{self.folder} has no domain: the run did not come to the extraction")
             outer = file["run/domain/outer"][:]
@@ -306,22 +239,55 @@ class Run:
         return tuple(sorted(set(self._fact("domain/sides"))))
 
     def _fact(self, name: str) -> Any:  # whatever was stored
-        with _reading(self.path, f" in its {name}"), h5py.File(self.path) as file:
+        with _reading(self.path, f" in its {name}"), open_to_read(self.path) as file:
             return json.loads(str(file[f"run/{name}"].asstr()[()]))
 
     def _holds(self, name: str) -> bool:
-        with _reading(self.path, f" in its {name}"), h5py.File(self.path) as file:
+        with _reading(self.path, f" in its {name}"), open_to_read(self.path) as file:
             return f"run/{name}" in file
+
+    def _settings_text(self, run: h5py.Group) -> str:
+        """Read the study; of a record that was cut short from the file beside it, where need be."""
+        try:
+            return str(run["settings"].asstr()[()])
+        except (OSError, KeyError):
+            if not self.damage:
+                raise
+            return (self.folder / STUDY).read_text()
+
+    def _with_table(self, columns: Columns, numbers: Floats) -> tuple[Columns, Floats]:
+        """Fill columns that cannot be read any more from the table beside the record."""
+        try:
+            stages, rows = from_csv(self.folder / TABLE)
+        except (OSError, ValueError, IndexError):
+            return columns, numbers
+        count = len(numbers)
+        if len(stages) < count:
+            return columns, numbers
+        columns |= {name: rows[name][:count] for name, column in columns.items() if np.isnan(column).all()}
+        return columns, np.array([STAGES.index(stage) for stage in stages[:count]], dtype=np.float64)
+
+    def _is_whole(self, frame: Frame) -> bool:
+        """Whether everything of a step can be read."""
+        try:
+            if frame.stage == "vasculogenesis":
+                self.network(frame.step)
+            else:
+                self.flow(frame.step)
+                self.pillars(frame.step)
+        except InputError:
+            return False
+        return True
 
     def _rows(self, group: str, step: int | None, wanted: Container[str] | None = None) -> dict[str, NDArray[Any]]:
         """Read arrays of a step of the angiogenesis from a group of ragged arrays."""
-        first = self.frame("angiogenesis").index + 1 - len(self.steps("angiogenesis"))
+        first = int(np.count_nonzero(self.metrics["stage"] != "angiogenesis"))
         return self._read(lambda file, i: Ragged(file[f"run/{group}"]).read(i - first, wanted), "angiogenesis", step)
 
     def _read(self, read: Callable[[h5py.File, int], Any], stage: str, step: int | None) -> Any:
         """Read one frame, with the file open for just that long."""
         frame = self.frame(stage, step)
-        with _reading(self.path, f" at {stage} step {frame.step}"), h5py.File(self.path) as file:
+        with _reading(self.path, f" at {stage} step {frame.step}"), open_to_read(self.path) as file:
             return read(file, frame.index)
 
 
@@ -336,12 +302,23 @@ def open_run(path: str | Path) -> Run:
     Returns
     -------
     Run
-        Also of a run that did not come to its end: look at `complete`.
+        Also of a run that did not come to its end, and of a record that was cut short, with the steps that are whole:
+        look at `complete` and `caveat`. No file is changed.
 
     Raises
     ------
     InputError
-        When there is no run, or its record is of another kind or damaged.
+        When there is no run, its record is of another kind, of a later version, or damaged, or no step of it is whole.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> run = vc.open_run("runs/disk")  # doctest: +SKIP
+    >>> run.steps(), run.metrics["permeability"][-1]  # doctest: +SKIP
+    >>> vc.open_run("nowhere")
+    Traceback (most recent call last):
+        ...
+    vasculo.errors.InputError: nowhere holds no run: there is no run.vtkhdf; `vasculo run --out nowhere` would make one
     """
     given = Path(path)
     record = given / RECORD if given.is_dir() else given
@@ -352,10 +329,40 @@ def open_run(path: str | Path) -> Run:
         return Run(record)
     except BlockingIOError:
         raise InputError(f"{record} is being written by a run that goes on: wait for its end") from None
+    except InputError:
+        raise
     except (OSError, KeyError, ValueError, IndexError, OverflowError, RuntimeError) as error:
-        if isinstance(error, InputError):
-            raise
+        if missing := shortened(record):
+            raise InputError(_what_is_left(record, missing)) from None
         raise InputError(f"{record} is no readable record of a run: {first_line(error)}") from None
+
+
+def _require_readable(path: Path, found: int, version: str) -> None:
+    """Refuse a record of a format that this version does not know."""
+    if found not in READABLE:
+        known = " and ".join(map(str, READABLE))
+        raise InputError(
+            f"{path} has record format {found}, made by vasculo {version}; vasculo {__version__} reads formats "
+            f"{known}: vasculo {version} or a later one is needed"
+        )
+
+
+def _columns(run: h5py.Group, count: int) -> Columns:
+    """Read the table of a record; a column that it does not have, or not any more, is NaN."""
+    columns = {name: np.full(count, np.nan) for name in COLUMNS}
+    for name in COLUMNS:
+        with suppress(OSError, KeyError):
+            columns[name][:] = run[f"metrics/{name}"][:count]
+    return columns
+
+
+def _what_is_left(record: Path, missing: str) -> str:
+    """Say what there is beside a record of which nothing can be read, and how to go on."""
+    line = f"{record} is {missing}, and no step is whole"
+    if (record.parent / TABLE).is_file():
+        line += f"; the numbers of all steps are in {TABLE}"
+    study = record.parent / STUDY
+    return f"{line}; the settings are in {STUDY}: `vasculo run {study}` runs it again" if study.is_file() else line
 
 
 @contextmanager

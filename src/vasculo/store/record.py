@@ -211,7 +211,7 @@ class Record:
     def finish(self) -> None:
         """Mark the record as complete."""
         with self._writing():
-            self._run.attrs["complete"] = 1
+            self._run.attrs.modify("complete", 1)
 
     def close(self) -> None:
         """Close the file; it can be read from now on."""
@@ -247,7 +247,7 @@ class Record:
             stages = metrics["stage"][:] if frames else np.empty(0)
             for rows in self._remodelling.values():
                 rows.truncate(int(np.count_nonzero(stages == STAGES.index("angiogenesis"))))
-            self._run.attrs["complete"] = 0
+            self._run.attrs.modify("complete", 0)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

@@ -147,7 +147,7 @@ def to_csv(stages: Sequence[str], columns: Mapping[str, NDArray[np.float64]]) ->
 
 
 def from_csv(path: Path) -> tuple[list[str], dict[str, NDArray[np.float64]]]:
-    """Read what `to_csv` wrote.
+    """Read what `to_csv` wrote, also as an earlier version did: a column that it does not have is NaN.
 
     Raises
     ------
@@ -156,14 +156,13 @@ def from_csv(path: Path) -> tuple[list[str], dict[str, NDArray[np.float64]]]:
     """
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.reader(file))
-    if not rows or tuple(rows[0]) != COLUMNS:
+    names = rows[0] if rows else []
+    if tuple(names[:3]) != COLUMNS[:3] or not set(names) <= set(COLUMNS):
         raise InputError(f"{path} is no table of a run: its first line must name {', '.join(COLUMNS)}")
     body = rows[1:]
-    columns = {
-        name: np.array([float(row[place]) if row[place] else np.nan for row in body], dtype=np.float64)
-        for place, name in enumerate(COLUMNS)
-        if name != "stage"
-    }
+    columns = {name: np.full(len(body), np.nan) for name in COLUMNS[1:]}
+    for place, name in enumerate(names[1:], 1):
+        columns[name][:] = [float(row[place]) if row[place] else np.nan for row in body]
     return [row[0] for row in body], columns
 
 

@@ -20,12 +20,12 @@ class Units:
     Parameters
     ----------
     length : float, optional
-        Micrometres in one model length (the side of the tissue, R0 of a block or disk, a pixel of a picture), > 0; no
-        default.
+        One model length [µm], > 0: the side of the tissue, R0 of a block of pillars, the unit of a disk's box, a pixel
+        of a picture.
     shear : float, optional
-        dyn/cm2 in one model pressure, > 0; no default.
+        One model pressure [dyn/cm2], > 0.
     viscosity : float, optional
-        Viscosity of the blood in mPa s (cP), > 0, for velocities and flow rates; no default.
+        Viscosity of the blood [mPa s], > 0, the same as cP: for velocities and flow rates.
 
     Raises
     ------

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 LINE, TRIANGLE = 3, 5  # VTK cell types
 _CHUNK = 8192  # rows; larger chunks pack better, smaller ones waste less on small studies
+_SINGLES = 64  # rows in a chunk of what has one row a frame
 _BLOCK = 32 * _CHUNK  # rows written at once; HDF5 copies what does not lie in memory as it does in the file
 _GEOMETRY = ("Points", "Types", "Connectivity", "Offsets")
 
@@ -49,24 +50,24 @@ class GridFrame:
     field_data: Arrays
 
 
-def growing(group: h5py.Group, name: str, like: NDArray[Any]) -> h5py.Dataset:
-    """Create an empty data set that grows by rows of the shape and type of `like`, packed without loss."""
+def growing(group: h5py.Group, name: str, like: NDArray[Any], chunk: int = _CHUNK) -> h5py.Dataset:
+    """Create an empty data set that grows by rows of the shape and type of `like`, packed without loss.
+
+    What begins with a single row has one a frame: it is not packed, so that it is not moved when it grows, and stands
+    near the start of the file, where it outlives a copy that is broken off.
+    """
     shape = like.shape[1:]
+    single = len(like) == 1
+    packing = {} if single else {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+    rows = _SINGLES if single else max(1, chunk // max(1, int(np.prod(shape))))
     return group.create_dataset(
-        name,
-        shape=(0, *shape),
-        maxshape=(None, *shape),
-        dtype=like.dtype,
-        chunks=(max(1, _CHUNK // max(1, int(np.prod(shape)))), *shape),
-        compression="gzip",
-        compression_opts=1,
-        shuffle=True,
+        name, shape=(0, *shape), maxshape=(None, *shape), dtype=like.dtype, chunks=(rows, *shape), **packing
     )
 
 
-def extend(group: h5py.Group, name: str, rows: NDArray[Any]) -> int:
+def extend(group: h5py.Group, name: str, rows: NDArray[Any], chunk: int = _CHUNK) -> int:
     """Append `rows` to the data set `name`, made on first use; return the number of rows before."""
-    data = group[name] if name in group else growing(group, name, rows)
+    data = group[name] if name in group else growing(group, name, rows, chunk)
     start = int(data.shape[0])
     data.resize(start + len(rows), axis=0)
     for first in range(0, len(rows), _BLOCK):
@@ -128,7 +129,7 @@ class TransientGrid:
         extend(self.steps, "CellOffsets", np.array([[starts["CellOffsets"]]]))
         extend(self.steps, "ConnectivityIdOffsets", np.array([[starts["ConnectivityIdOffsets"]]]))
         extend(self.steps, "Values", np.array([float(value)]))
-        self.steps.attrs["NSteps"] = np.int64(len(self) + 1)
+        self.steps.attrs.modify("NSteps", np.int64(len(self) + 1))
 
     def read(self, index: int, cell_data: Container[str] | None = None) -> GridFrame:
         """Read frame `index`, counted from 0; of the cell data only the arrays named, or all."""
@@ -166,7 +167,7 @@ class TransientGrid:
         """Keep the first `frames` frames only; torn rows behind the last counted frame go too."""
         steps, group = self.steps, self.group
         frames = min(frames, len(self))
-        steps.attrs["NSteps"] = np.int64(frames)
+        steps.attrs.modify("NSteps", np.int64(frames))
         if frames == 0:
             _empty(group)
             return
