@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import vasculo as vc
-from vasculo.errors import InputError
+from vasculo.errors import ComputationError, InputError
 from vasculo.pillars import responses
 from vasculo.pillars.responses import cell_response, find_response
 from vasculo.study.laws import forget_laws
@@ -134,7 +134,7 @@ def test_a_law_of_the_session_stays(study, monkeypatch):
         ("x = 1\ny = (\n", r"does not run: line 2: SyntaxError: '\(' was never closed"),
         ("import numpy as np\n\nnp.nothing\n", "does not run: line 3: AttributeError: module 'numpy' has no attribute"),
         ("def f():\n    raise SystemExit(3)\n\n\nf()\n", "does not run: line 2: SystemExit: 3"),
-        ("x = 1\n", r"registers no cell response: write @vasculo.cell_response\(\"name\"\) above a function"),
+        ("x = 1\n", r"registers nothing: write @vasculo.cell_response\(\"name\"\) above a law, or @vasculo.watcher"),
         (
             HALF.replace('"half"', '"linear"'),
             r"line 5: cell response 'linear' is already defined in .*: choose another name",
@@ -154,6 +154,16 @@ def test_faults_of_the_file_in_one_line(study, text, message):
     with pytest.raises(InputError):
         find_response("half")
     find_response("linear")
+
+
+def test_a_law_that_fails_on_the_way_is_told_with_its_line(study, tmp_path):
+    text = HALF.replace("return 0.5 * (shear / mean - 1.0)", "later = mean / 0\n    return shear * later")
+    (study.parent / "my_laws.py").write_text(text)
+    with pytest.raises(ComputationError) as caught:
+        run(study, tmp_path / "run")
+    message = "cell response 'half' failed: ZeroDivisionError: float division by zero (my_laws.py, line 7)"
+    assert message in str(caught.value)
+    assert str(caught.value).endswith(f"; what was done is kept in {tmp_path / 'run'}")
 
 
 def test_faults_of_its_name(study):

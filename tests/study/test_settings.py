@@ -7,9 +7,7 @@ from vasculo.errors import InputError
 from vasculo.pillars.parameters import Angiogenesis
 from vasculo.plexus.parameters import Extraction
 from vasculo.study.builtin import NAMES, builtin_path, find_study, titles
-from vasculo.study.forecast import _duration, forecast
 from vasculo.study.settings import parse_assignment, parse_study, read_study, toml_value
-from vasculo.study.template import template
 from vasculo.tissue.parameters import PRESETS, Vasculogenesis
 
 MESH = {"kind": "relaxed", "jitter": 0.2, "boundary": "pinned"}
@@ -45,6 +43,14 @@ def test_the_stages_of_the_built_in_studies():
     assert stages["disk"] == stages["chains"] == stages["hanging"] == ("domain", "angiogenesis")
     assert read_study(builtin_path("hanging")).angiogenesis.is_hanging
     assert read_study(builtin_path("paper")).tissue["nodes"] == 12_000
+
+
+def test_a_study_says_its_format():
+    assert parse("").study.format == 1
+    assert parse("").to_toml().startswith("[study]\nformat = 1\n")
+    assert parse("[study]\nformat = 1") == parse("")
+    with pytest.raises(InputError, match=r"^--set: study\.format = 9 is newer than format 1"):
+        parse("", settings={"study.format": 9}, label="--set")
 
 
 def test_a_preset_is_a_start_and_single_keys_replace():
@@ -141,6 +147,10 @@ WRONG = [
     ("[domain]\nkind = 'disk'\nradius = 9.0", "study.toml: [domain] a disk of radius 9"),
     ("[domain]\nkind = 'disk'\n[study]\nuntil = 'extraction'", "study.toml: study.until = 'extraction' does not fit"),
     ("[study]\nuntil = 'plexus'", "study.toml: study.until = 'plexus' must be one of 'vasculogenesis', 'extraction'"),
+    ("[study]\nformat = 2\nsoon = 3", "study.toml: study.format = 2 is newer than format 1, the last that vasculo 0."),
+    ("[study]\nformat = 2\n[soon]\nx = 3", "study.toml: study.format = 2 is newer than format 1"),
+    ("[study]\nformat = 0", "study.toml: study.format = 0 is not a whole number from 1 to 1"),
+    ("[study]\nformat = '1'", "study.toml: study.format = '1' must be a whole number"),
     ("[study]\nseed = -1", "study.toml: study.seed = -1 is not a whole number from 0 to 4294967295"),
     ("[output]\nstep_every = 0", "study.toml: output.step_every = 0 is not a whole number from 1 up"),
     ("[units]\nshear = -2.0", "study.toml: units.shear = -2.0 is not a number above 0"),
@@ -192,28 +202,6 @@ def test_files_that_cannot_be_read(tmp_path):
     assert find_study(str(tmp_path / "study.toml")) == tmp_path / "study.toml"
 
 
-def test_the_template_is_the_default_study_with_everything_explained():
-    text = template()
-    assert parse(text) == parse("")
-    kept = []
-    for line in text.replace('#preset = "medium"\n', "").splitlines():
-        if line.startswith("# With kind"):
-            kept.append("skip")
-        elif line.startswith("["):
-            kept = [part for part in kept if part != "skip"] + [line]
-        elif kept[-1:] == ["skip"] or line.startswith("# ") or "no default" in line:
-            continue
-        else:
-            kept.append(line.removeprefix("#"))
-    switched_on = "\n".join(kept)
-    assert switched_on.count("\n") > 40
-    assert parse(switched_on) == parse("")
-    for name, table in parse("").tables().items():
-        for key in table:
-            assert key in text, f"{name}.{key} is not in the template"
-    assert max(len(line) for line in text.splitlines()) <= 120
-
-
 def test_numpy_scalars_are_numbers():
     settings = parse("", settings={"angiogenesis.steps": np.int64(2), "vasculogenesis.damping": np.float64(4.0)})
     assert settings.angiogenesis.steps == 2
@@ -252,19 +240,3 @@ def test_numbers_beyond_all_bounds(text, message):
     with pytest.raises(InputError) as caught:
         parse(text)
     assert str(caught.value).startswith(f"study.toml: {message}")
-
-
-def test_the_forecast_writes_short_numbers():
-    slow = {"tissue.nodes": 100, "vasculogenesis.growth_rate": 1e-6, "vasculogenesis.time_step": 1e-6}
-    lines = dict(forecast(parse("", settings=slow | {"vasculogenesis.hold": 1e6})))
-    assert "days" in lines["expected time"]
-    assert max(map(len, lines.values())) < 80
-    many = dict(forecast(parse("", settings={"tissue.nodes": 100, "vasculogenesis.growth_rate": 1e6})))
-    assert many["expected pillars"] == "about 3, 0.539 apart"  # the law ends at the load 0.06
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(89, "89 s"), (90, "2 min"), (3600, "60 min"), (7200, "2 h"), (864000, "10 days")]
-)
-def test_durations(seconds, words):
-    assert _duration(seconds) == words

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -16,6 +17,9 @@ from vasculo.errors import InputError
 def measure(
     run: RunFolder,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the whole table here.")] = None,
+    units: Annotated[
+        bool, typer.Option("--units", help="Write that table in the physical units of the study, named in its headers.")
+    ] = False,
     passages: Annotated[
         Path | None,
         typer.Option("--passages", metavar="FILE", help="Write the passages between the pillars here, as CSV."),
@@ -37,8 +41,13 @@ def measure(
     for file in (csv, passages, tubules, events):
         if file is not None and (file.is_dir() or not file.parent.is_dir()):
             raise InputError(f"{file} cannot be written: name a file in a folder that is there")
+    if units and csv is None:
+        raise InputError("--units goes with --csv FILE")
+    whole = partial(table_text, physical=units)
+    if units:
+        whole(found)  # a study without units is refused before anything is printed
     show_numbers(found)
-    writers = ((csv, table_text), (passages, passages_text), (tubules, tubules_text), (events, all_events))
+    writers = ((csv, whole), (passages, passages_text), (tubules, tubules_text), (events, all_events))
     for file, text_of in writers:
         if file is not None:
             from vasculo.store.table import write_whole  # noqa: PLC0415

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
@@ -31,6 +32,7 @@ def run(
     step: Annotated[
         int | None, typer.Option("--step", metavar="N", help="Last step that a branch keeps; the last one by default.")
     ] = None,
+    live: Annotated[bool, typer.Option("--live", help="Show the run in the browser while it goes.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Run a study: every stage, then figures and a report."""
@@ -40,8 +42,24 @@ def run(
     from vasculo.study.show import show_end  # noqa: PLC0415
 
     overrides = dict(parse_assignment(text) for text in assignments or ())
-    with Bars(quiet=quiet) as bars:
-        done = execute(study, out, overrides, resume=resume, branch=branch, step=step, progress=bars, label="--set")
+    with Bars(quiet=quiet) as bars, ExitStack() as stack:
+        watchers: list[object] = []
+        if live:
+            from vasculo.study.live import live as shown  # noqa: PLC0415
+
+            begun = shown(study, out, overrides, resume=resume, branch=branch, label="--set", tell=bars.note)
+            watchers.append(stack.enter_context(begun))
+        done = execute(
+            study,
+            out,
+            overrides,
+            resume=resume,
+            branch=branch,
+            step=step,
+            progress=bars,
+            label="--set",
+            watchers=watchers,
+        )
     if not quiet:
         show_end(done)
 
@@ -60,6 +78,10 @@ def studies() -> None:
 @one_line
 def new(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file to write; must not exist.")],
+    study: Annotated[
+        str | None,
+        typer.Option("--from", metavar="STUDY", help="Built-in study to start from; the defaults otherwise."),
+    ] = None,
 ) -> None:
     """Write a commented study file to start from."""
     from vasculo.store.table import write_whole  # noqa: PLC0415
@@ -69,7 +91,7 @@ def new(
         raise InputError(f"{file} exists already: name another file")
     if not file.parent.is_dir():
         raise InputError(f"{file.parent} is no folder: make it first")
-    write_whole(file, template())
+    write_whole(file, template(study))
     typer.echo(f"{file} written; try: vasculo check {file}")
 
 
@@ -79,7 +101,7 @@ def check(
     study: Annotated[str, typer.Argument(metavar="STUDY", help="A TOML file or a built-in study.")],
     assignments: Assignments = None,
 ) -> None:
-    """Validate a study and print what it leads to: stability limit, nodes, memory, expected time."""
+    """Validate a study and print what it leads to: sizes, spacing, time step, expected time and memory."""
     from vasculo.study.builtin import find_study  # noqa: PLC0415
     from vasculo.study.forecast import forecast  # noqa: PLC0415
     from vasculo.study.settings import parse_assignment, read_study  # noqa: PLC0415
@@ -89,3 +111,24 @@ def check(
     width = max(len(name) for name, _ in lines)
     for name, value in lines:
         typer.echo(f"{name:<{width}}  {value}")
+
+
+@app.command()
+@one_line
+def schema(
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write it here instead of printing it.")
+    ] = None,
+) -> None:
+    """Print the JSON schema of a study file, by which editors complete and check it."""
+    from vasculo.store.table import write_whole  # noqa: PLC0415
+    from vasculo.study.builtin import SCHEMA  # noqa: PLC0415
+
+    text = SCHEMA.read_text(encoding="utf-8")
+    if out is None:
+        typer.echo(text, nl=False)
+        return
+    if out.is_dir() or not out.parent.is_dir():
+        raise InputError(f"{out} cannot be written: name a file in a folder that is there")
+    write_whole(out, text)
+    typer.echo(f"{out} written; name it in the first line of a study: #:schema ./{out.name}")

@@ -66,6 +66,17 @@ def remodel(
         If there are no pillars, or the domain lacks the inlet or the outlet.
     ComputationError
         If a step fails; the steps before it were watched.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import disk_domain
+    >>> ratios = []
+    >>> def watch(step):
+    ...     ratios.append(vc.measure.pillars(step.domain).aspect_ratio[0])
+    >>> final = vc.remodel(disk_domain(6.0, 5.0), vc.Angiogenesis(steps=2, flow_spacing=1.5), watch)
+    >>> len(ratios), bool(ratios[0] < 1.01 < ratios[2])
+    (3, True)
     """
     parameters = parameters or Angiogenesis()
     check_domain(domain, parameters)

@@ -28,9 +28,8 @@ _CHOICES = {
     "meshing": Meshing,
 }
 
-# field: (lowest, highest) allowed value, both ends included
 _WHOLE = ("steps", "flow_across", "smoothing", "roll_seed")
-_RANGES = {
+RANGES = {
     "steps": (0, 100_000),
     "strain_limit": (0.0, math.inf),
     "activation": (-0.6, 0.6),
@@ -57,32 +56,34 @@ _RANGES = {
     "pressure_drop": (-1e12, 1e12),
     "viscosity": (1e-12, 1e12),
 }
+"""Lowest and highest value of each number, both allowed."""
 
 
 @dataclass(frozen=True)
 class Angiogenesis:
     """Parameters of the flow-driven remodelling (Szczerba & Szekely 2005, section 4).
 
-    Lengths are in R0, the mean pillar radius at the start; stiffnesses in the stiffness of one matrix spring. The paper
-    gives `filament_ratio` and the rule of activation; the other numbers are ours.
+    Lengths are in R0, the mean pillar radius at the start; stiffnesses in the stiffness of one matrix spring; a number
+    without a unit is a pure one. The paper gives `filament_ratio` and the rule of activation; the other numbers are
+    ours.
 
     Parameters
     ----------
     steps : int
         Geometry steps at most; `watch` is called once more, for the start.
     strain_limit : float
-        The run ends when the accumulated activation strain reaches this, dimensionless.
+        The run ends when the accumulated activation strain reaches this.
     stop_at_rest : bool
         Whether the run ends when nothing moves any more: five steps in a row below a thousandth of R0, without events.
     activation : float
-        Strain of a filament whose two ends are fully activated, dimensionless, -0.6 to 0.6; above 0.1 the steps become
-        coarse. Positive: contraction where the shear is above the mean of the pillar, as in the paper. A negative value
-        turns the rule round.
+        Strain of a filament whose two ends are fully activated, -0.6 to 0.6; above 0.1 the steps become coarse.
+        Positive: contraction where the shear is above the mean of the pillar, as in the paper. A negative value turns
+        the rule round.
     response : str
         Name of the law that turns shear into activation; "linear", "logarithm", "sign", or one that was registered with
         `cell_response`.
     activation_limit : float
-        Largest activation, either way, dimensionless.
+        Largest activation, either way.
     smoothing : int
         Passes of 1/4, 1/2, 1/4 over the shear along the membrane.
     sensing : {"local", "rolled"}
@@ -93,7 +94,7 @@ class Angiogenesis:
     filament_ratio : float
         Stiffness of a filament over that of a matrix spring, for 16 membrane nodes on a circle of radius R0.
     filament_reach : float
-        Membrane nodes of one pillar further apart than this are not joined, R0.
+        Membrane nodes of one pillar further apart than this are not joined [R0].
     filament_memory : float
         0: filaments forget, and form anew at their present lengths in every step (plastic). 1: they remember their
         first lengths (elastic). Between: a step takes the rest shape the other part of the way (Maxwell).
@@ -103,34 +104,34 @@ class Angiogenesis:
         "plastic": laid anew, free of stress, in every step; "elastic": remembers its first lengths, and its stress is
         carried over when it must be meshed anew; "auto": plastic around active cells, elastic around hanging ones.
     membrane_spacing, matrix_spacing : float
-        Distance of nodes along the membranes and in the matrix, R0.
+        Distance of nodes along the membranes and in the matrix [R0].
     area_stiffness : float
-        Pressure per relative loss of pillar area, matrix spring stiffnesses.
+        Pressure per relative loss of pillar area [matrix spring stiffness].
     bending : float
-        Bending stiffness of the membrane (matrix spring stiffness times R0 cubed) at an activation of 0.08; it is
+        Bending stiffness of the membrane [matrix spring stiffness times R0^3] at an activation of 0.08; it is
         scaled in proportion to the activation, because their ratio sets how sharp a tip gets.
     traction : float
-        Force on a membrane of length R0 under the mean wall shear of the start, matrix spring stiffness times R0.
+        Force on a membrane of length R0 under the mean wall shear of the start [matrix spring stiffness times R0].
     traction_part : {"friction", "full"}
         What of the fluid's force moves the membranes: its friction, as in the paper, or its pressure as well.
     step_cap : float
-        Largest move of an outline in one step, measured across the membrane, membrane spacings; never more than the gap
+        Largest move of an outline in one step, measured across the membrane [membrane spacing]; never more than the gap
         to the neighbours allows.
     merge_gap : float
-        Pillars nearer than this become one, membrane spacings.
+        Pillars nearer than this become one [membrane spacing].
     closing : float
-        Radius of the closing that joins two outlines, membrane spacings; at least half of `merge_gap`.
+        Radius of the closing that joins two outlines [membrane spacing]; at least half of `merge_gap`.
     border_joining : bool
         Whether a pillar nearer than half of `merge_gap` to a closed side joins it: no fluid passes between them.
     erosion : float
         Part of its rest area that a small pillar in fast flow loses in a step; 0 switches it off.
     erosion_radius : float
-        A pillar is small when its radius is below this, R0.
+        A pillar is small when its radius is below this [R0].
     closure_ratio : float
         The plexus counts as closing itself off when the 95th over the 5th percentile of the pillars' mean shears passes
         this.
     flow_spacing : float
-        Largest edge of the flow mesh, R0.
+        Largest edge of the flow mesh [R0].
     flow_across : int
         Triangles across each passage of the flow mesh.
     meshing : {"anew", "carried"}
@@ -142,9 +143,9 @@ class Angiogenesis:
     inlet, outlet : str
         Sides through which the flow enters and leaves.
     pressure_drop : float
-        Pressure at the inlet over that at the outlet, model pressure. It cancels in the remodelling.
+        Pressure at the inlet over that at the outlet [model pressure]. It cancels in the remodelling.
     viscosity : float
-        Viscosity of the fluid, model pressure times model time. It cancels too.
+        Viscosity of the fluid [model pressure times model time]. It cancels too.
     cells : {"active", "hanging"}
         "hanging" is the paper's control: membranes without interior in an elastic matrix, moved by traction only;
         activation, filaments, area pressure and bending are then left out.
@@ -153,6 +154,16 @@ class Angiogenesis:
     ------
     InputError
         If a value is not finite, out of range or does not fit the others.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> vc.Angiogenesis(steps=10, response="logarithm").activation
+    0.08
+    >>> vc.Angiogenesis(steps=-1)
+    Traceback (most recent call last):
+        ...
+    vasculo.errors.InputError: steps = -1 is not a number from 0 to 100000
     """
 
     steps: int = 40
@@ -193,7 +204,7 @@ class Angiogenesis:
     cells: CellKind = "active"
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _RANGES.items():
+        for name, (low, high) in RANGES.items():
             value = getattr(self, name)
             if not (isinstance(value, int | float) and low <= value <= high):
                 raise InputError(f"{name} = {value!r} is not a number from {low:g} to {high:g}")

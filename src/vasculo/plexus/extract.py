@@ -68,7 +68,17 @@ class Extracted:
 
 
 def extract_domain(network: SpringNetwork, parameters: Extraction | None = None) -> Domain:
-    """Make the flow domain of a broken network; see `extract`."""
+    """Make the flow domain of a broken network; see `extract`.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> tissue = vc.lattice(nodes=1_000, seed=1)
+    >>> torn = vc.grow_plexus(tissue, vc.Vasculogenesis(pillar_spacing=0.35), seed=1)
+    >>> domain = vc.extract_domain(torn)
+    >>> len(domain.pillars), domain.side_names
+    (12, ('bottom', 'left', 'right', 'top'))
+    """
     return extract(network, parameters).domain
 
 

@@ -120,6 +120,16 @@ def domain_from_image(picture: ArrayLike, parameters: ImageExtraction | None = N
     Islands that reach from inlet to outlet along the border are wall. What else the sides cut is a pillar, flush with
     the plain strip at inlet and outlet, and half of the narrowest passage from the sides beside the flow, which are
     mirror walls (with border "closed": wall too).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import vasculo as vc
+    >>> y, x = np.mgrid[0:60, 0:90]
+    >>> vessels = np.minimum(abs(x % 30 - 15), abs(y % 30 - 15)) < 5  # a grid of streets
+    >>> found = vc.domain_from_image(vessels)
+    >>> found.domain.bounds[2] > 90, len(found.domain.pillars)
+    (True, 12)
     """
     wanted = ImageExtraction() if parameters is None else parameters
     grey = grey_values(picture, wanted.crop)

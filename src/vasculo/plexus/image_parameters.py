@@ -75,6 +75,12 @@ class ImageExtraction:
     ------
     InputError
         When a value is outside its range.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> vc.ImageExtraction(vessels="dark", smoothing=2.0).threshold
+    'otsu'
     """
 
     vessels: Vessels = "bright"

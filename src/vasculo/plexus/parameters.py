@@ -19,8 +19,7 @@ USUAL_FRACTION = 0.40
 WAYS = ("fluid_fraction", "lumen_width", "minimum_width")
 """The ways to say how wide tubules are; one at a time."""
 
-_RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
-    # name: lowest, highest, are these two themselves allowed
+RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
     {
         "fluid_fraction": (0.0, 1.0, False),
         "lumen_width": (0.0, 100.0, False),
@@ -31,9 +30,11 @@ _RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
         "edge_length": (0.02, 10.0, True),
     }
 )
-_WHOLE: Mapping[str, tuple[int, float]] = MappingProxyType(
+"""Lowest and highest value of each number, and whether these two themselves are allowed."""
+WHOLE: Mapping[str, tuple[int, float]] = MappingProxyType(
     {"triangle_budget": (1, np.inf), "triangles_across": (1, 20), "rays": (3, 4096)}
 )
+"""Lowest and highest value of each whole number, both allowed."""
 _OPTIONAL = (*WAYS, "triangle_budget")
 """Parameters that may be None."""
 
@@ -52,17 +53,17 @@ class Extraction:
         L0, and no narrower than what keeps pillars apart in the first remodelling step. Excludes `lumen_width` and
         `minimum_width`; 0.40 if none of the three is given.
     lumen_width : float, optional
-        Width that is added to every cord, above 0, below 100: a cord of n springs becomes a tubule as wide as the cord
-        plus this. Excludes `fluid_fraction` and `minimum_width`.
+        Width that is added to every cord [L0], above 0, below 100: a cord of n springs becomes a tubule as wide as the
+        cord plus this. Excludes `fluid_fraction` and `minimum_width`.
     minimum_width : float, optional
-        Width of the narrowest tubules, above 0, below 100: only cords that are narrower are widened. Excludes
+        Width of the narrowest tubules [L0], above 0, below 100: only cords that are narrower are widened. Excludes
         `fluid_fraction` and `lumen_width`.
     smallest_radius : float
-        Pillars of smaller equivalent radius are dropped; above 0, below 100.
+        Pillars of smaller equivalent radius are dropped [L0]; above 0, below 100.
     spacing : float
-        Distance between outline nodes, 0.05 to 10.
+        Distance between outline nodes [L0], 0.05 to 10.
     strip : float
-        Plain strip before and behind the tissue, 0.05 to 100 R0 (radius of the mean pillar).
+        Plain strip before and behind the tissue [R0], 0.05 to 100; R0 is the radius of the mean pillar.
     triangle_budget : int, optional
         Largest flow mesh allowed, in expected triangles, 1 or more. Above it the tubules are widened (to 1.25 L0), then
         the pillars beside the dearest passages are merged (at most 15 %), else the extraction is refused. If not given
@@ -70,7 +71,7 @@ class Extraction:
     triangles_across : int
         Triangles across a passage of the mesh that is predicted, 1 to 20.
     edge_length : float
-        Plain edge length of the mesh that is predicted, 0.02 to 10 R0.
+        Plain edge length of the mesh that is predicted [R0], 0.02 to 10.
     rays : int
         Test rays a void for the check of the outlines, 3 to 4096.
 
@@ -78,6 +79,14 @@ class Extraction:
     ------
     InputError
         When a value is outside its range, or two of the widths are given.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> tissue = vc.lattice(nodes=1_000, seed=1)
+    >>> torn = vc.grow_plexus(tissue, vc.Vasculogenesis(pillar_spacing=0.35), seed=1)
+    >>> vc.extract_domain(torn, vc.Extraction(strip=2.0)).side_names
+    ('bottom', 'left', 'right', 'top')
     """
 
     fluid_fraction: float | None = None
@@ -93,14 +102,14 @@ class Extraction:
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        for name, (low, high, closed) in _RANGES.items():
+        for name, (low, high, closed) in RANGES.items():
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue
             inside = is_number(value) and (low <= value <= high if closed else low < value < high)
             if not inside:
                 raise InputError(f"{name} must {_words(low, high, closed=closed)}, got {value!r}")
-        for name, (least, most) in _WHOLE.items():
+        for name, (least, most) in WHOLE.items():
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue

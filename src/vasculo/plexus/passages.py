@@ -51,6 +51,14 @@ class Passages:
         Plain edge length (model length) and triangles across a passage of that mesh.
     sides : tuple of str
         Names of the sides, sorted.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> vc.measure.passages(domain).bodies.shape[1]
+    2
     """
 
     bodies: Ints

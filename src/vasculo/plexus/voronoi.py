@@ -65,17 +65,17 @@ def voronoi_plexus(
     pillars : int
         Number of cells, 1 to 100,000. A cell too thin for a pillar is dropped, so there may be a few pillars less.
     width, height : float, optional
-        Size of the whole box, pads included, above 0 and at most 1e6 (R0). Give both or neither; with both, the mean
+        Size of the whole box, pads included [R0], above 0 and at most 1e6. Give both or neither; with both, the mean
         radius follows from the box and is only about 1 (1.2 for 16 pillars in 16 x 9).
     channel : float
-        Width of the channels between pillars, above 0 and at most 3 (R0). At the top and bottom, mirror walls, the
+        Width of the channels between pillars [R0], above 0 and at most 3. At the top and bottom, mirror walls, the
         pillars keep half of it.
     pad : float
-        Plain strip before and behind the block, 0 to 100 (R0).
+        Plain strip before and behind the block [R0], 0 to 100.
     seed : int
         Seed of the random points.
     spacing : float
-        Distance between outline nodes, at least 0.001 (R0).
+        Distance between outline nodes [R0], at least 0.001.
 
     Returns
     -------
@@ -125,9 +125,9 @@ def disk_domain(width: float = 12.0, height: float = 8.0, radius: float = 1.0, n
     Parameters
     ----------
     width, height : float
-        Size of the box, above 0 and at most 1e6 (model length), corner at the origin.
+        Size of the box [model length], above 0 and at most 1e6; corner at the origin.
     radius : float
-        Radius of the disk, above 0 (model length).
+        Radius of the disk [model length], above 0 and at most 1e6.
     nodes : int
         Nodes of the disk's outline, evenly spaced on the circle; 8 to 100,000.
 

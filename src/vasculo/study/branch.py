@@ -16,6 +16,7 @@ from vasculo.study.beginning import Beginning, Kept, copy_files, laws_text, rows
 from vasculo.study.changes import told
 from vasculo.study.folder import branch_folder, filling, new_folder
 from vasculo.study.sections import BranchKeys
+from vasculo.study.watch_table import WATCH_TABLE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -65,11 +66,13 @@ def make_branch(
         laws=laws_text(settings),
     )
     folder = new_folder("", out or branch_folder(kept.folder))
-    fresh = [*copy_files(settings, folder), *(folder / name for name in (RECORD, CHECKPOINT, STUDY))]
+    fresh = [*copy_files(settings, folder), *(folder / name for name in (RECORD, CHECKPOINT, STUDY, WATCH_TABLE))]
     origin = {"run": run.id, "folder": kept.folder.resolve().name, "step": last, "changes": changes}
     with filling(folder, fresh) as stack:
         require_room(folder / RECORD, run.path.stat().st_size)
         shutil.copyfile(run.path, folder / RECORD)
+        if (kept.folder / WATCH_TABLE).is_file():
+            shutil.copyfile(kept.folder / WATCH_TABLE, folder / WATCH_TABLE)
         record = stack.enter_context(closing(Record.reopen(folder / RECORD, frames)))
         record.set_settings(checkpoint.settings, new=True)
         record.set_facts("branch", [*(run.facts("branch") or []), origin])

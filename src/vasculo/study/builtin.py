@@ -9,6 +9,8 @@ from pathlib import Path
 from vasculo.errors import InputError
 
 _FOLDER = Path(__file__).with_name("studies")
+SCHEMA = Path(__file__).with_name("study.schema.json")
+"""The JSON schema of a study file, for editors; made by `vasculo.study.json_schema`."""
 NAMES = ("paper", "plexus", "disk", "chains", "thousand", "hanging", "rolled", "flipped", "elastic", "small")
 """Built-in studies, in the order in which they are listed."""
 

@@ -16,16 +16,19 @@ from vasculo.plexus.extract import extract
 from vasculo.store.read import CHECKPOINT
 from vasculo.study import watch
 from vasculo.study.drawn import drawn_domain
+from vasculo.study.faults import naming_line
 from vasculo.study.invariants import check_growth, check_remodelling
+from vasculo.study.machine import machine
 from vasculo.study.recorders import GrowthRecorder, RemodelRecorder
 from vasculo.study.schema import parameter_meanings
-from vasculo.study.sections import meanings_of
+from vasculo.study.sections import defaults_of, meanings_of
 from vasculo.study.telling import tell_events
+from vasculo.study.watchers import StopRun
 from vasculo.tissue.lattice import lattice
 from vasculo.tissue.vasculogenesis import grow_plexus
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
     from vasculo.geometry.domain import Domain
@@ -58,6 +61,9 @@ class Job:
         Who wants to see it.
     pause : callable
         Called at safe places; may raise KeyboardInterrupt.
+    watchers : sequence of object
+        More who look on, each with any of the methods `growth(step)`, `remodel(step)` and `end()`. They are called
+        before a step is recorded; `remodel` may raise `StopRun`, and `end` is called in any case.
     """
 
     settings: Settings
@@ -69,11 +75,21 @@ class Job:
     start: RemodelState | None
     progress: watch.Progress
     pause: Callable[..., None]
+    watchers: Sequence[object] = ()
     _result: str = field(default="", init=False)
 
     def work(self) -> None:
         """Go through the stages that are not finished yet."""
+        try:
+            self._work()
+        finally:
+            for end in watch.methods(self.watchers, "end"):
+                end()
+
+    def _work(self) -> None:
         self.record.set_facts("meanings", meanings_of(self.settings.kind))
+        self.record.set_facts("defaults", defaults_of(self.settings.kind))
+        self.record.set_facts("machine", machine())
         done = {stage["name"] for stage in self.checkpoint.stages}
         for name in self.settings.stages:
             if name not in done:
@@ -104,7 +120,13 @@ class Job:
         if tissue.box is not None:
             self.record.set_facts("tissue", {"box": tissue.box.tolist()})
         recorder = GrowthRecorder(self.record, self.table, settings.output.growth_interval(len(tissue.springs)))
-        seen = watch.in_turn(check_growth, recorder, watch.growth_progress(self.progress), self.pause)
+        seen = watch.in_turn(
+            check_growth,
+            *watch.methods(self.watchers, "growth"),
+            recorder,
+            watch.growth_progress(self.progress),
+            self.pause,
+        )
         plexus = grow_plexus(tissue, settings.vasculogenesis, settings.study.seed, seen)
         recorder.flush()
         self.checkpoint.plexus = plexus
@@ -139,19 +161,24 @@ class Job:
         if self.start is not None:
             self.log.line(f"angiogenesis: goes on behind step {self.start.step}")
         recorder = RemodelRecorder(self.record, self.table, settings.output.step_every, self.start)
-        seen = watch.in_turn(
-            check_remodelling,
+        rest = watch.in_turn(
             recorder,
             tell_events(self.log.line, self.progress.note),
             watch.remodel_progress(self.progress, settings.angiogenesis.steps),
             self.pause,
         )
-        for parameters in settings.phases():
-            if recorder.state is None or not is_done(recorder.state, parameters):
-                remodel(domain, parameters, seen, start=recorder.state)
+        seen = watch.until_stopped(watch.in_turn(check_remodelling, *watch.methods(self.watchers, "remodel")), rest)
+        ended = ""
+        try:
+            for parameters in settings.phases():
+                if recorder.state is None or not is_done(recorder.state, parameters):
+                    with naming_line(settings.laws):
+                        remodel(domain, parameters, seen, start=recorder.state)
+        except StopRun as stop:
+            ended = f", ended by a watcher{f': {stop}' if str(stop) else ''}"
         state = _there(recorder.state)
         left, merges = len(state.rest_areas), state.merges_total
-        self._result = f"pillars {len(domain.pillars)} to {left}, mergers {merges}, steps {state.step}"
+        self._result = f"pillars {len(domain.pillars)} to {left}, mergers {merges}, steps {state.step}{ended}"
 
     def _keep(self, domain: Domain) -> None:
         """Keep the domain before the remodelling."""

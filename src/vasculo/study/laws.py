@@ -1,14 +1,15 @@
-"""Laws from a file of the user: run before the settings are checked, so that these can name them."""
+"""The user's own file: run before the settings are checked, so that these can name its laws."""
 
 from __future__ import annotations
 
 import sys
-import traceback
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 from vasculo.errors import InputError
 from vasculo.pillars.responses import Law, known_responses, restore_responses
+from vasculo.study.faults import fault_line
+from vasculo.study.watchers import Watched, forget, registered
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -17,8 +18,8 @@ _MODULE = "vasculo_study_laws"
 _loaded: dict[str, Law | None] = {}  # what the present file registered, and what stood there before
 
 
-def load_laws(path: Path, where: str) -> tuple[str, ...]:
-    """Run a Python file that registers cell responses; those of the file before it are forgotten.
+def load_laws(path: Path, where: str) -> tuple[Watched, ...]:
+    """Run a Python file that registers cell responses or watchers; those of the file before it are forgotten.
 
     Parameters
     ----------
@@ -29,8 +30,8 @@ def load_laws(path: Path, where: str) -> tuple[str, ...]:
 
     Returns
     -------
-    tuple of str
-        Names of the responses, sorted.
+    tuple of (str, callable)
+        Its watchers, in order: the stage and the function.
 
     Raises
     ------
@@ -39,7 +40,7 @@ def load_laws(path: Path, where: str) -> tuple[str, ...]:
         line of the file.
     """
     forget_laws()
-    known = known_responses()
+    known, watchers = known_responses(), len(registered())
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
@@ -52,13 +53,19 @@ def load_laws(path: Path, where: str) -> tuple[str, ...]:
     try:
         exec(compile(text, str(path), "exec"), module.__dict__)  # noqa: S102  # what the study asks for
     except (Exception, SystemExit) as error:  # noqa: BLE001  # whatever the file raises
-        message = f"{where} does not run: {_told(error, path)}"
+        message = f"{where} does not run: {fault_line(error, str(path))}"
         restore_responses(known)
+        forget(watchers)
         raise InputError(message) from None
     _loaded.update({name: known.get(name) for name, law in known_responses().items() if law is not known.get(name)})
-    if not _loaded:
-        raise InputError(f'{where} registers no cell response: write @vasculo.cell_response("name") above a function')
-    return tuple(sorted(_loaded))
+    found = registered()[watchers:]
+    forget(watchers)
+    if not _loaded and not found:
+        raise InputError(
+            f'{where} registers nothing: write @vasculo.cell_response("name") above a law, or '
+            '@vasculo.watcher("remodel") above a watcher'
+        )
+    return found
 
 
 def forget_laws() -> None:
@@ -66,12 +73,3 @@ def forget_laws() -> None:
     laws = known_responses() | _loaded
     restore_responses({name: law for name, law in laws.items() if law is not None})
     _loaded.clear()
-
-
-def _told(error: BaseException, path: Path) -> str:
-    """Say on which line of the file an error came up, and what it was."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
-    line = error.lineno if isinstance(error, SyntaxError) else (lines[-1] if lines else None)
-    what = error.msg if isinstance(error, SyntaxError) else str(error)
-    kind = "" if isinstance(error, InputError) else f"{type(error).__name__}: "
-    return " ".join(f"line {line}: {kind}{what}".split())

@@ -19,6 +19,7 @@ from vasculo.store.table import write_whole
 from vasculo.study.outlines import outlines_text
 from vasculo.study.picture_file import read_picture
 from vasculo.study.picture_options import check_pixel_size
+from vasculo.study.sections import FORMAT
 from vasculo.study.settings import toml_value
 
 if TYPE_CHECKING:
@@ -142,6 +143,7 @@ def _study_text(
         *(f"# {name} = {value}" for name, value in taken.items()),
         "",
         "[study]",
+        f"format = {FORMAT}",
         f"title = {toml_value(f'The network of {picture}')}",
         "",
         "[domain]",

@@ -20,9 +20,10 @@ from vasculo.study.job import Job, peak_memory
 from vasculo.study.patience import Patience
 from vasculo.study.recorders import Table
 from vasculo.study.watch import Silence
+from vasculo.study.watch_table import sort_watchers, user_watchers
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from vasculo.study.watch import Progress
 
@@ -50,6 +51,7 @@ def run(
     branch: str | Path | None = None,
     step: int | None = None,
     progress: Progress | None = None,
+    watchers: Sequence[object] = (),
 ) -> Run:
     """Run a study, go on with a run that was interrupted, or branch off from one.
 
@@ -72,6 +74,10 @@ def run(
         Last recorded step of the angiogenesis that a branch keeps; the last one when left out.
     progress : Progress, optional
         Is told how far the run is; see `vasculo.study.watch`.
+    watchers : sequence
+        Who looks on: functions that were registered with `vasculo.watcher`, or objects with any of the methods
+        `growth(step)`, `remodel(step)` and `end()`. Those that the study's own file registers come first. A run does
+        not keep these: give them again to go on.
 
     Returns
     -------
@@ -92,7 +98,7 @@ def run(
     >>> import vasculo as vc
     >>> run = vc.run("disk", out="runs/disk", settings={"angiogenesis.steps": 5})  # doctest: +SKIP
     """
-    return execute(study, out, settings, resume=resume, branch=branch, step=step, progress=progress, label="settings")
+    return execute(study, out, settings, resume=resume, branch=branch, step=step, progress=progress, watchers=watchers)
 
 
 def execute(
@@ -105,9 +111,11 @@ def execute(
     step: int | None = None,
     progress: Progress | None = None,
     label: str = "settings",
+    watchers: Sequence[object] = (),
 ) -> Run:
     """Do what `run` does; `label` is what the overrides are called in messages."""
     shown = progress or Silence()
+    functions, others = sort_watchers(watchers)
     begun = _begin(study, out, overrides, resume=resume, branch=branch, step=step, label=label)
     folder, settings = begun.folder, begun.settings
     try:
@@ -115,7 +123,8 @@ def execute(
             if begun.note:
                 shown.note(begun.note)
                 log.line(begun.note)
-            _compute(begun, log, shown, pause)
+            own = user_watchers(begun, functions)
+            _compute(begun, log, shown, pause, (*own, *others))
             run = open_run(folder)
             if settings.output.figures:
                 _illustrate(run, log, shown, pause)
@@ -163,14 +172,16 @@ def _begin(
     return extend(kept, settings, changes) if changes else reopen(kept)
 
 
-def _compute(begun: Beginning, log: Log, progress: Progress, pause: Patience) -> None:
+def _compute(begun: Beginning, log: Log, progress: Progress, pause: Patience, watchers: Sequence[object]) -> None:
     """Go through the stages and leave a complete record; or an incomplete one to go on from."""
     record, table = begun.record, Table(begun.folder / TABLE, begun.rows)
     state = "continued" if begun.rows else "new"
     log.line(f"vasculo {vasculo.__version__}: {begun.settings.study.title} ({state})")
     try:
         table.write()
-        Job(begun.settings, begun.folder, record, table, log, begun.checkpoint, begun.start, progress, pause).work()
+        Job(
+            begun.settings, begun.folder, record, table, log, begun.checkpoint, begun.start, progress, pause, watchers
+        ).work()
         record.finish()
     except BaseException as error:
         log.line(f"stopped: {type(error).__name__}: {error}")

@@ -11,11 +11,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, create_model
+from pydantic import BaseModel, ConfigDict, Field, create_model
+
+from vasculo.study.ranges import ranges_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from vasculo.study.ranges import Range
+
+_UNIT = re.compile(r"\[([^\]]*[A-Za-zµ][^\]]*)\]")
 _HEADER = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*) : ")
 _REQUIRED: Any = ...
 
@@ -33,18 +38,32 @@ class Key:
     default : object
         Its default; None for a key that may be left out.
     meaning : str
-        What the docstring says about it, with its unit.
+        What the docstring says about it, with its unit in brackets.
+    range : Range, optional
+        Where a number must lie.
     """
 
     name: str
     kind: Any
     default: Any
     meaning: str
+    range: Range | None = None
 
     @property
     def words(self) -> str:
         """What a value must be, in words."""
         return kind_words(self.kind)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value, as the docstring has it in brackets; empty for a pure number, and for what is none."""
+        found = _UNIT.search(self.meaning)
+        return found.group(1) if found else ""
+
+    @property
+    def required(self) -> bool:
+        """Whether the key has no default and must be given."""
+        return self.default is inspect.Parameter.empty
 
 
 @lru_cache(maxsize=32)
@@ -60,8 +79,9 @@ def keys_of(target: Callable[..., Any], skip: tuple[str, ...] = ()) -> dict[str,
     """
     hints = typing.get_type_hints(target)
     meanings = parameter_meanings(inspect.getdoc(target) or "")
+    ranges = ranges_of(target)
     return {
-        name: Key(name, hints[name], parameter.default, meanings.get(name, ""))
+        name: Key(name, hints[name], parameter.default, meanings.get(name, ""), ranges.get(name))
         for name, parameter in inspect.signature(target).parameters.items()
         if name not in skip
     }
@@ -90,7 +110,7 @@ def parameter_meanings(text: str) -> dict[str, str]:
 def model_of(target: Callable[..., Any], skip: tuple[str, ...] = ()) -> type[BaseModel]:
     """Build the pydantic model that checks a section: frozen, strict types, unknown keys refused."""
     fields: dict[str, Any] = {
-        key.name: (key.kind, _REQUIRED if key.default is inspect.Parameter.empty else key.default)
+        key.name: (key.kind, Field(_REQUIRED if key.required else key.default, description=key.meaning))
         for key in keys_of(target, skip).values()
     }
     name = getattr(target, "__name__", "Section")

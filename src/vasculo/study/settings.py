@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import ValidationError
 
+import vasculo
 from vasculo.errors import InputError
 from vasculo.store.units import Units
 from vasculo.study.complaints import one_line, parse_error, unknown_section
@@ -18,6 +19,7 @@ from vasculo.study.schema import keys_of, model_of
 from vasculo.study.sections import (
     BRANCH,
     DOMAIN_KINDS,
+    FORMAT,
     ORDER,
     SECTIONS,
     BranchKeys,
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
     from vasculo.pillars.parameters import Angiogenesis
     from vasculo.plexus.parameters import Extraction
+    from vasculo.study.watchers import Watched
     from vasculo.tissue.vasculogenesis import Vasculogenesis
 
     Tables = dict[str, dict[str, Any]]
@@ -58,6 +61,8 @@ class Settings:
         Where the angiogenesis changes its settings on the way, in order.
     laws : Path, optional
         The Python file that the study uses.
+    watchers : tuple of (str, callable)
+        The watchers that it registers, each with its stage.
     """
 
     study: StudyKeys
@@ -72,6 +77,7 @@ class Settings:
     folder: Path = field(default=Path(), compare=False)
     branches: tuple[BranchKeys, ...] = ()
     laws: Path | None = field(default=None, compare=False)
+    watchers: tuple[Watched, ...] = field(default=(), compare=False)
 
     @property
     def stages(self) -> tuple[str, ...]:
@@ -165,7 +171,8 @@ def parse_study(
     for path, value in (overrides or {}).items():
         _override(tables, path, value, label)
         origin[path] = label
-    laws = _laws(tables, source, origin, folder)
+    _check_format(tables, source, origin)
+    laws, watchers = _laws(tables, source, origin, folder)
     branches: Any = tables.pop("branch", [])
     kind = _kind(tables, source, origin)
     unused = unused_sections(kind)
@@ -198,7 +205,7 @@ def parse_study(
             f"{where}: tissue.boundary = 'periodic' does not fit study.until = {parts['study'].until!r}: pillars need "
             "a frame, so a periodic study ends with 'vasculogenesis'"
         )
-    settings = Settings(kind=kind, domain=domain, folder=folder, laws=laws, **parts)
+    settings = Settings(kind=kind, domain=domain, folder=folder, laws=laws, watchers=watchers, **parts)
     return replace(settings, branches=_branches(branches, settings, source)) if branches else settings
 
 
@@ -237,20 +244,33 @@ def parse_assignment(text: str) -> tuple[str, object]:
         return path, value
 
 
-def _laws(tables: Tables, source: str, origin: Mapping[str, str], folder: Path) -> Path | None:
+def _check_format(tables: Tables, source: str, origin: Mapping[str, str]) -> None:
+    """Refuse a file of a later format before anything else in it is looked at."""
+    section = tables.get("study")
+    given = section.get("format") if isinstance(section, dict) else None
+    if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
+        raise InputError(
+            f"{_where('study.format', source, origin)}: study.format = {given} is newer than format {FORMAT}, the last "
+            f"that vasculo {vasculo.__version__} reads: a later version of vasculo is needed"
+        )
+
+
+def _laws(
+    tables: Tables, source: str, origin: Mapping[str, str], folder: Path
+) -> tuple[Path | None, tuple[Watched, ...]]:
     """Run the Python file that the study uses: named by the study it lies beside it, by an override anywhere."""
     section = tables.get("study")
     uses = section.get("uses") if isinstance(section, dict) else None
     if not isinstance(uses, str):
         forget_laws()
-        return None
+        return None, ()
     where = _where("study.uses", source, origin)
     if "study.uses" not in origin and Path(uses).name != uses:
         raise InputError(f"{where}: study.uses = {uses!r} is no plain name: the file lies beside the study")
     path = Path(uses) if "study.uses" in origin else folder / uses
-    load_laws(path, f"{where}: study.uses = {uses!r}")
+    watchers = load_laws(path, f"{where}: study.uses = {uses!r}")
     tables["study"]["uses"] = path.name
-    return path
+    return path, watchers
 
 
 def _branches(given: Any, settings: Settings, source: str) -> tuple[BranchKeys, ...]:  # whatever the file has there

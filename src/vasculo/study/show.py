@@ -12,10 +12,13 @@ from rich.console import Console
 from rich.table import Table
 
 from vasculo import measure
+from vasculo.errors import InputError
 from vasculo.store.events import events_text
 from vasculo.store.read import FIGURES, RECORD, REPORT, TABLE
-from vasculo.store.table import COUNTS, STAGES, to_csv
+from vasculo.store.table import COLUMNS, COUNTS, STAGES, UNIT_OF, to_csv
+from vasculo.store.units import Units
 from vasculo.study.changes import told
+from vasculo.study.watch_table import WATCH_TABLE
 
 if TYPE_CHECKING:
     from vasculo.store.read import Run
@@ -53,7 +56,7 @@ def show_end(run: Run) -> None:
         total = sum(stage["seconds"] for stage in stages)
         table.add_row("all", f"{total:.1f}", str(max(stage["peak_mb"] for stage in stages)), "")
     console.print(table)
-    for name in (REPORT, FIGURES, RECORD, TABLE):
+    for name in (REPORT, FIGURES, RECORD, TABLE, WATCH_TABLE):
         if (run.folder / name).exists():
             console.print(f"{run.folder / name}", soft_wrap=True)
 
@@ -61,21 +64,18 @@ def show_end(run: Run) -> None:
 def show_numbers(run: Run) -> None:
     """Print rows of the table, thinned, and the pillars of the last step."""
     console = _console()
-    if not run.complete:
-        console.print(
-            f"incomplete: the run stopped before its end; vasculo run --resume --out {run.folder} goes on",
-            soft_wrap=True,
-        )
+    if run.caveat:
+        console.print(run.caveat, soft_wrap=True)
     _show_origin(run, console)
     for stage in STAGES:
         rows = np.flatnonzero(run.metrics["stage"] == stage)
         if not len(rows):
             continue
         shown = [name for name in _SHOWN[stage] if name in run.metrics]
-        table = _table(*shown, title=stage)
+        table = _table(*(_heading(name, UNIT_OF.get(name, ""), run.units) for name in shown), title=stage)
         picked = rows[np.unique(np.linspace(0, len(rows) - 1, _MOST_ROWS).round().astype(int))]
         for row in picked:
-            table.add_row(*(_cell(name, float(run.metrics[name][row])) for name in shown))
+            table.add_row(*(_cell(name, float(run.metrics[name][row]), run.units) for name in shown))
         console.print(table)
     if plexus := run.facts("plexus"):
         table = _table("plexus at the end", "value")
@@ -103,10 +103,35 @@ def show_picture(written: Written) -> None:
     console.print(f"{written.study} written; try: vasculo run {written.study}", soft_wrap=True)
 
 
-def table_text(run: Run) -> str:
-    """Return the whole table of a run as CSV."""
+def table_text(run: Run, *, physical: bool = False) -> str:
+    """Return the whole table of a run as CSV.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    physical : bool
+        Whether numbers are in the physical units of the study, where it names them, and headers have the unit behind
+        the name; else all is as in `metrics.csv`.
+
+    Raises
+    ------
+    InputError
+        When physical units are wanted and the study names none.
+    """
+    stages = [str(stage) for stage in run.metrics["stage"]]
     columns = {name: values for name, values in run.metrics.items() if name != "stage"}
-    return to_csv([str(stage) for stage in run.metrics["stage"]], columns)
+    if not physical:
+        return to_csv(stages, columns)
+    units = run.units
+    if units == Units():
+        raise InputError(f"{run.folder} has no physical units: give the study a section [units] with length and shear")
+    factors = {name: units.factor(UNIT_OF.get(name, "")) for name in columns}
+    text = to_csv(stages, {name: values * factors[name] for name, values in columns.items()})
+    _, end, body = text.partition("\n")
+    return (
+        ",".join(f"{name} [{units.name(UNIT_OF[name])}]" if name in UNIT_OF else name for name in COLUMNS) + end + body
+    )
 
 
 def passages_text(run: Run) -> str:
@@ -136,18 +161,22 @@ def _show_pillars(run: Run, console: Console) -> None:
     found, chains = measure.pillars(domain), measure.chains(domain, run.pillars().lineage)
     passages = measure.passages(domain)
     inner = passages.between_pillars
-    table = _table("pillars of the last step", "smallest", "median", "largest")
+    table = _table("pillars of the last step", "smallest", "median", "largest", "unit")
     values = {
-        "area": found.area,
-        "aspect ratio": found.aspect_ratio,
-        "nearest gap": found.nearest_gap,
-        "length": chains.lengths,
-        "original pillars": chains.sizes,
+        "area": ("area", found.area),
+        "aspect ratio": ("", found.aspect_ratio),
+        "nearest gap": ("length", found.nearest_gap),
+        "length": ("length", chains.lengths),
+        "original pillars": ("", chains.sizes),
     }
     if inner.any():
-        values |= {"width of passages": passages.width[inner], "length of passages": passages.length[inner]}
-    for name, column in values.items():
-        table.add_row(name, *(f"{value:.4g}" for value in (column.min(), np.median(column), column.max())))
+        values |= {
+            "width of passages": ("length", passages.width[inner]),
+            "length of passages": ("length", passages.length[inner]),
+        }
+    for name, (dimension, column) in values.items():
+        picked = run.units.factor(dimension) * np.array([column.min(), np.median(column), column.max()])
+        table.add_row(name, *(f"{value:.4g}" for value in picked), run.units.name(dimension))
     console.print(table)
     events = run.events
     angles = np.array([event.angle for event in events if event.kind == "merge"])
@@ -171,12 +200,17 @@ def _console() -> Console:
 def _table(*columns: str, title: str | None = None) -> Table:
     table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for number, name in enumerate(columns):
-        text = name in {"stage", "result"} or (number == 0 and " " in name)
+        text = name in {"stage", "result", "unit"} or (number == 0 and " " in name)
         table.add_column(name, justify="left" if text else "right", no_wrap=name != "result", overflow="fold")
     return table
 
 
-def _cell(name: str, value: float) -> str:
+def _heading(name: str, dimension: str, units: Units) -> str:
+    """Name of a column, with its unit below where that is a physical one."""
+    return f"{name}\n{units.name(dimension)}" if dimension and units.known(dimension) else name
+
+
+def _cell(name: str, value: float, units: Units) -> str:
     if np.isnan(value):
         return ""
-    return str(int(value)) if name in COUNTS else f"{value:.4g}"
+    return str(int(value)) if name in COUNTS else f"{value * units.factor(UNIT_OF.get(name, '')):.4g}"

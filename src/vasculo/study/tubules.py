@@ -14,6 +14,7 @@ from vasculo.measure.tubules import tubule_flow
 from vasculo.store.read import FIGURES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from vasculo.flow.boundary import Condition
@@ -60,12 +61,25 @@ def tubules_text(run: Run) -> str:
     return text.getvalue()
 
 
-def draw_tubules(run: Run, step: int | None = None) -> Path:
-    """Draw the passages of a step, the last one by default, into the run's folder of figures; return the file."""
-    from vasculo.draw.canvas import save  # noqa: PLC0415  # heavy, and only here
+def draw_tubules(
+    run: Run,
+    step: int | None = None,
+    *,
+    width: float | None = None,
+    dpi: int | None = None,
+    formats: Sequence[str] = ("png",),
+) -> list[Path]:
+    """Draw the passages of a step, the last one by default, into the run's folder of figures; return the files.
+
+    Options are those of `vasculo.draw.single.draw_one`.
+    """
+    from vasculo.draw.canvas import WIDTH, save  # noqa: PLC0415  # heavy, and only here
     from vasculo.draw.network import network_figure  # noqa: PLC0415
+    from vasculo.draw.scale import length_unit  # noqa: PLC0415
 
     frame = run.frame("angiogenesis", step)
     resolved, network = tubules_of(run, step)
-    figure = network_figure(run.domain(frame.step), resolved, network, f"step {frame.step}")
-    return save(figure, run.folder / FIGURES / f"network-{frame.step:04d}.png")
+    domain, title = run.domain(frame.step), f"step {frame.step}"
+    figure = network_figure(domain, resolved, network, title, width or WIDTH, length_unit(run))
+    stem = f"network-{frame.step:04d}"
+    return [save(figure, run.folder / FIGURES / f"{stem}.{kind}", dpi) for kind in formats]

@@ -5,10 +5,13 @@ A stage calls one function once a step; `in_turn` passes the call on to each wat
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+from vasculo.study.watchers import StopRun
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from vasculo.pillars.state import RemodelStep
     from vasculo.tissue.vasculogenesis import GrowthStep
@@ -74,5 +77,26 @@ def in_turn(*watchers: Callable[[Step], object]) -> Callable[[Step], None]:
     def call(step: Step) -> None:
         for watcher in watchers:
             watcher(step)
+
+    return call
+
+
+def methods(watchers: Sequence[object], name: str) -> list[Callable[..., Any]]:
+    """Return the method of this name of every watcher that has one."""
+    return [getattr(watcher, name) for watcher in watchers if hasattr(watcher, name)]
+
+
+def until_stopped(
+    first: Callable[[RemodelStep], object], then: Callable[[RemodelStep], object]
+) -> Callable[[RemodelStep], None]:
+    """Join two watchers; when the first raises `StopRun`, the second sees the step as the last one first."""
+
+    def call(step: RemodelStep) -> None:
+        try:
+            first(step)
+        except StopRun:
+            then(replace(step, is_last=True))
+            raise
+        then(step)
 
     return call

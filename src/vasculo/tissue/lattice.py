@@ -56,7 +56,7 @@ def lattice(
         How the nodes are placed: at random and evened out by three sweeps of Lloyd's method; on a triangular lattice,
         each shifted at random; or at random with a least distance (Poisson disks).
     jitter : float
-        Largest shift in x and in y of the nodes of a jittered lattice, in lattice spacings, 0 to 0.5; no other kind
+        Largest shift in x and in y of the nodes of a jittered lattice [lattice spacing], 0 to 0.5; no other kind
         uses it.
     boundary : {"pinned", "free", "periodic"}
         What holds the tissue: a frame of pinned nodes, the same frame not pinned, or nothing, the square being a torus.
@@ -77,6 +77,15 @@ def lattice(
     -----
     Szczerba & Szekely 2005, section 2, start from "a given uniform unstructured triangular grid covering a unit
     square" of roughly 12,000 nodes and 35,000 springs. How it is made is ours.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> tissue = vc.lattice(nodes=500, seed=1)
+    >>> tissue.points.shape, float(tissue.points.min()), float(tissue.points.max())
+    ((500, 2), 0.0, 1.0)
+    >>> vc.lattice(nodes=500, seed=1, boundary="periodic").box.tolist()
+    [1.0, 1.0]
     """
     check_lattice(nodes, kind, jitter, boundary)
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):

@@ -20,8 +20,7 @@ ThresholdLaw = Literal["normal", "weibull"]
 _LEAST, _MOST = 1e-6, 1e6
 """Ends of the ranges that have no natural one: beyond them a run would not end, or leave the finite numbers."""
 
-_RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
-    # name: lowest, highest, is the lowest value itself allowed
+RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
     {
         "growth_rate": (_LEAST, _MOST, True),
         "growth_time": (_LEAST, _MOST, True),
@@ -42,6 +41,7 @@ _RANGES: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
         "time_step": (_LEAST, _MOST, True),
     }
 )
+"""Lowest and highest value of each number, and whether the lowest itself is allowed."""
 
 _OPTIONAL = ("growth_time", "pillar_spacing", "time_step")
 """Numbers that may be left to the tissue."""
@@ -55,21 +55,22 @@ _WORDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 class Vasculogenesis:
     """How a tissue grows, breaks and tightens into a plexus.
 
-    Lengths are in units of each spring's initial length, stiffness in k, mass in m, time in sqrt(m / k), the means over
-    the tissue; so the numbers hold for a tissue of any size and number of nodes. The equations are those of
+    Lengths are in units of each spring's initial length (mean L0), stiffness in k, mass in m, time in sqrt(m / k), the
+    means over the tissue; so the numbers hold for a tissue of any size and number of nodes. The equations are those of
     Szczerba & Szekely 2005, section 2; they print no values. The defaults (the preset "medium") are ours.
 
     Parameters
     ----------
     growth_rate : float
-        Rate rho at which the rest-length factor s falls from 1 (1 / time), >= 1e-6. Larger: more and smaller voids.
+        Rate rho at which the rest-length factor s falls from 1 [1 / sqrt(m / k)], >= 1e-6. Larger: more and smaller
+        voids.
     growth_time : float, optional
-        Time in which s falls from 1 to growth_limit (sqrt(m / k)), >= 1e-6; replaces growth_rate.
+        Time in which s falls from 1 to growth_limit [sqrt(m / k)], >= 1e-6; replaces growth_rate.
     pillar_spacing : float, optional
-        Wanted distance of the voids, and so of the pillars, as the square root of the area a void (model length, the
-        tissue's side is 1); replaces growth_rate by the rate that gives it, by a measured law.
+        Wanted distance of the voids, and so of the pillars, as the square root of the area a void [model length]: the
+        side of the tissue is 1. Replaces growth_rate by the rate that gives it, by a measured law.
     damping : float
-        Friction D on each node while springs may break (sqrt(k m)), >= 0. Only D rho counts once D is above 1.
+        Friction D on each node while springs may break [sqrt(k m)], >= 0. Only D rho counts once D is above 1.
     threshold : float
         Mean threshold theta above which a spring breaks, > 0: a strain, or a force over mean stiffness times length.
     threshold_kind : {"strain", "force"}
@@ -79,10 +80,10 @@ class Vasculogenesis:
     threshold_spread : float
         Standard deviation of the thresholds over their mean, 0 to 1.
     threshold_correlation : float
-        Distance over which thresholds are alike (mean spring length), 0 for independent ones, or 1 to 1000: their
-        correlation falls as exp(-r^2 / 2 l^2).
+        Distance over which thresholds are alike [L0], 0 for independent ones, or 1 to 1000: their correlation falls as
+        exp(-r^2 / 2 l^2).
     tether : float
-        Adhesion to the substrate: stiffness of a tether of each node to its first position (k), >= 0; 0 is the paper's
+        Adhesion to the substrate: stiffness of a tether of each node to its first position [k], >= 0; 0 is the paper's
         own model.
     stop_void_fraction : float
         Share of the area in voids at which rupture ends, in (0, 1]. 1: rupture has to end by itself (self-stopping).
@@ -90,23 +91,31 @@ class Vasculogenesis:
         Rest-length factor at which growth ends, in (0, 1]. In the window regime the void fraction must be reached
         before; in the self-stopping regime growth is held here.
     quiet_time : float
-        Self-stopping: time without a break after which rupture counts as over, > 0.
+        Self-stopping: time without a break after which rupture counts as over [sqrt(m / k)], > 0.
     hold : float
-        Self-stopping: longest time at the growth limit, > 0.
+        Self-stopping: longest time at the growth limit [sqrt(m / k)], > 0.
     final_rest_factor : float
         Rest-length factor after tightening, 0 to growth_limit. Smaller: thinner, straighter cords.
     tightening_damping : float
-        Friction on each node while tightening (sqrt(k m)), >= 0.
+        Friction on each node while tightening [sqrt(k m)], >= 0.
     tightening_time, settling_time : float
-        Time over which the rest lengths fall to the final factor, > 0, and the time after it, >= 0.
+        Time over which the rest lengths fall to the final factor, > 0, and the time after it, >= 0 [sqrt(m / k)].
     time_step : float, optional
-        Time step dt, >= 1e-6 and below the stability limit of the tissue; half of what is safe in every shape, rounded
-        down, if not given (0.2 for the tissue of the paper).
+        Time step dt [sqrt(m / k)], >= 1e-6 and below the stability limit of the tissue; half of what is safe in every
+        shape, rounded down, if not given (0.2 for the tissue of the paper).
 
     Raises
     ------
     InputError
         When a value is outside its range.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> vc.Vasculogenesis(pillar_spacing=0.1).threshold
+    0.5
+    >>> vc.Vasculogenesis.preset("paper").tether
+    0.0
     """
 
     growth_rate: float = 0.0009
@@ -130,7 +139,7 @@ class Vasculogenesis:
     time_step: float | None = None
 
     def __post_init__(self) -> None:
-        for name, (low, high, closed) in _RANGES.items():
+        for name, (low, high, closed) in RANGES.items():
             value = getattr(self, name)
             if value is None and name in _OPTIONAL:
                 continue
