@@ -4,6 +4,8 @@ from vasculo.measure.alignment import AngleSummary, LocalAngles, alignment, loca
 from vasculo.measure.chains import Chains, chains
 from vasculo.measure.cords import Cords, cords
 from vasculo.measure.corridors import Corridors, corridors
+from vasculo.measure.distance import Distance, distance
+from vasculo.measure.distribution import Distribution
 from vasculo.measure.hydraulics import (
     flow_direction,
     permeability,
@@ -13,6 +15,7 @@ from vasculo.measure.hydraulics import (
 )
 from vasculo.measure.junctions import Junctions
 from vasculo.measure.middle_lines import MiddleLines, middle_lines
+from vasculo.measure.morphometry import Morphometry, morphometry
 from vasculo.measure.network import NetworkFlow, poiseuille_network
 from vasculo.measure.passages import Passages, passages
 from vasculo.measure.plexus import PlexusNumbers, plexus
@@ -25,9 +28,12 @@ __all__ = [
     "Chains",
     "Cords",
     "Corridors",
+    "Distance",
+    "Distribution",
     "Junctions",
     "LocalAngles",
     "MiddleLines",
+    "Morphometry",
     "NetworkFlow",
     "Passages",
     "PillarTable",
@@ -38,11 +44,13 @@ __all__ = [
     "chains",
     "cords",
     "corridors",
+    "distance",
     "flow_direction",
     "local_angles",
     "mean_gap",
     "mean_wall_shear",
     "middle_lines",
+    "morphometry",
     "order",
     "passages",
     "permeability",

@@ -41,6 +41,14 @@ class Chains:
     straightness : ndarray of float64, shape (p,)
         End-to-end distance of the middle line over its length; see `MiddleLines`. 1: straight; 2/pi: bent to half a
         circle; NaN: a pillar too short to be bent.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> vc.measure.chains(domain).largest
+    1
     """
 
     sizes: NDArray[np.int64]
@@ -89,6 +97,15 @@ def chains(domain: Domain, lineage: Sequence[Sequence[int]] | None = None) -> Ch
     ------
     InputError
         When the domain has no pillar, the lineage is not one entry a pillar, or an original appears twice or never.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> found = vc.measure.chains(domain, lineage=[(0,), (1,), (2, 3, 4), (5,)])
+    >>> found.sizes.tolist(), found.largest, found.fraction
+    ([1, 1, 3, 1], 3, 0.5)
     """
     require_pillars(domain, "chains")
     count = len(domain.pillars)

@@ -67,6 +67,14 @@ class Cords:
         Points of the centre lines; in a periodic tissue a line may leave the box.
     point_widths : ndarray of float64, shape (p,)
         Width of the cord at each of these points.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> vc.measure.cords(domain).degrees.tolist()
+    [3, 3]
     """
 
     junctions: Floats
@@ -149,6 +157,15 @@ def cords(
         For outlines without area, a frame that is not convex, a missing frame or one that is not needed.
     ComputationError
         When the cords of a periodic tissue do not close (Euler's formula does not hold).
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> graph = vc.measure.cords(domain)
+    >>> len(graph.lengths), len(graph.junctions), round(float(graph.widths.mean()), 2)
+    (5, 2, 0.65)
     """
     given, border = outlines, frame
     if isinstance(given, Domain):

@@ -53,6 +53,17 @@ class Corridors:
     run : ndarray of float64, shape (k,)
         Length of the stretch of stations along which a lane runs between the same two banks: no branch leaves or joins
         it there (model length). 0 for a lane with one wall on both sides, a bay.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> lanes = vc.measure.corridors(domain, flow)
+    >>> round(lanes.direction, 6), len(lanes.flux) == len(lanes.width)
+    (0.0, True)
     """
 
     direction: float
@@ -141,6 +152,18 @@ def corridors(
     InputError
         When the spacing is no positive number, there is no such side, a pillar takes in or gives out fluid, or nothing
         flows.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> lanes = vc.measure.corridors(domain, flow)
+    >>> through = lanes.flux[lanes.station == 10].sum()
+    >>> round(float(through / flow.flow_rate("right")), 3)
+    1.0
     """
     if spacing is not None and not (is_number(spacing) and 0.0 < spacing < np.inf):
         raise InputError(f"the spacing of stations is {spacing!r}, expected a number above 0")

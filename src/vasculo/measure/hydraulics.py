@@ -50,6 +50,14 @@ def permeability(domain: Domain, flow: Flow, inlet: str = "left", outlet: str = 
     ------
     InputError
         When there is no pressure drop between the two sides.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> round(vc.measure.permeability(vc.Domain.rectangle(2.0, 1.0), flow), 6), round(1 / 12, 6)
+    (0.083333, 0.083333)
     """
     drop = pressure_drop(flow, inlet, outlet)
     x0, y0, x1, y1 = domain.bounds
@@ -79,6 +87,14 @@ def resistance(flow: Flow, inlet: str = "left", outlet: str = "right") -> float:
     ------
     InputError
         When there is no pressure drop between the two sides.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> round(vc.measure.resistance(flow), 6)
+    24.0
     """
     drop, rate = pressure_drop(flow, inlet, outlet), passing_flow(flow, outlet)
     return drop / rate if rate else float("inf")
@@ -127,6 +143,13 @@ def flow_direction(domain: Domain, inlet: str = "left", outlet: str = "right") -
     ------
     InputError
         When there is no such side, or both have the same middle.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> box = vc.Domain.rectangle(2.0, 1.0)
+    >>> vc.measure.flow_direction(box), vc.measure.flow_direction(box, "bottom", "top")
+    (0.0, 90.0)
     """
     way = middle_of(domain, outlet) - middle_of(domain, inlet)
     if not np.hypot(*way) > 0.0:
@@ -176,6 +199,15 @@ def permeability_tensor(
         When the sides do not match, or are four in name only.
     ComputationError
         When a flow could not be solved, as in a cell without pillars, which holds nothing back.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> square = [(0.4, 0.4), (0.6, 0.4), (0.6, 0.6), (0.4, 0.6)]
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(1.0, 1.0, [square]), edge_length=0.1)
+    >>> tensor = vc.measure.permeability_tensor(mesh)
+    >>> tensor.shape, bool(abs(tensor[0, 0] / tensor[1, 1] - 1.0) < 0.02)
+    ((2, 2), True)
     """
     pairs = (first, second)
     if len({*first, *second}) < 4:
@@ -212,6 +244,17 @@ def pillar_drag(domain: Domain, flow: Flow, *, pressure: bool = True) -> Floats:
     -------
     ndarray of float64, shape (p, 2)
         Force (per unit depth, model units); zero for a pillar that has no wall.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> drag = vc.measure.pillar_drag(domain, flow)
+    >>> drag.shape, bool((drag[:, 0] > 0.0).all())
+    ((4, 2), True)
     """
     force = np.zeros((len(domain.pillars), 2))
     found = drag(flow, "full" if pressure else "viscous")

@@ -35,6 +35,17 @@ class Junctions:
         Row of the passage of each arm, -1: a direct way to the next junction that no table lists.
     outflow : (j, 3) float64
         Flow out through each arm, negative: in (area per time). The three cancel but for round-off.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> junctions = vc.measure.tubule_flow(domain, flow).junctions
+    >>> junctions.bodies.shape == (len(junctions), 3)
+    True
     """
 
     place: Floats

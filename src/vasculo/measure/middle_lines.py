@@ -50,6 +50,14 @@ class MiddleLines:
         Without three quarters of a mean width at both ends: the distance between the ends over the length of the line.
         1 for a straight bar, sin(a/2)/(a/2) for one bent to an arc of the angle a. NaN where the line is shorter than
         two mean widths.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> vc.measure.middle_lines(domain.pillars).points.shape
+    (4, 65, 2)
     """
 
     tips: Longs
@@ -75,6 +83,16 @@ def middle_lines(outlines: Sequence[Floats]) -> MiddleLines:
     ------
     ComputationError
         When outlines cross.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import vasculo as vc
+    >>> along = np.linspace(0.0, 4.0, 9)
+    >>> bar = np.array([*((x, 0.0) for x in along), *((x, 0.5) for x in along[::-1])])
+    >>> line = vc.measure.middle_lines([bar])
+    >>> line.straightness.round(2).tolist(), line.widths.round(1).tolist()
+    ([1.0], [0.5])
     """
     counts = np.array([len(outline) for outline in outlines], dtype=np.int64)
     start = np.cumsum(counts) - counts

@@ -50,6 +50,15 @@ def passages(domain: Domain, edge_length: float | None = None, across: float = 3
     Widths are exact. Length, mean width and who counts as a neighbour depend on the nodes of the outlines, which are
     cut into pieces of one plain edge length at most: a common piece of the medial axis shorter than the distance of
     nodes can be missed. Predicted meshes came out within 6 % of real ones for grown plexuses.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> table = vc.measure.passages(domain)
+    >>> len(table.bodies), round(float(table.width.min()), 2)
+    (13, 0.3)
     """
     if not domain.pillars:
         raise InputError("passages need at least one pillar, the domain has none")

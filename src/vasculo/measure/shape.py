@@ -39,6 +39,14 @@ class PillarTable:
         Direction of the long axis against x, degrees, above -90 and up to 90.
     nearest_gap : ndarray of float64, shape (p,)
         Distance to the nearest other pillar (model length); infinite for a single pillar.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> list(vc.measure.pillars(domain).columns())
+    ['area', 'centroid_x', 'centroid_y', 'aspect_ratio', 'orientation', 'nearest_gap']
     """
 
     area: Floats
@@ -88,6 +96,14 @@ def pillars(domain: Domain) -> PillarTable:
     -----
     With the second moments Mxx, Mxy, Myy of the area, orientation is atan2(2 Mxy, Mxx - Myy) / 2. That of a round
     pillar is arbitrary.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> domain = vc.Domain.rectangle(6.0, 3.0, [[(1, 1), (4, 1), (4, 2), (1, 2)]])
+    >>> table = vc.measure.pillars(domain)
+    >>> table.area.tolist(), table.aspect_ratio.round(6).tolist(), table.orientation.tolist()
+    ([3.0], [3.0], [0.0])
     """
     shapes = axes(domain)
     return PillarTable(
@@ -155,6 +171,13 @@ def order(domain: Domain, direction: float = 0.0) -> float:
     ------
     InputError
         When the domain has no pillar.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> bar = vc.Domain.rectangle(6.0, 3.0, [[(1, 1), (4, 1), (4, 2), (1, 2)]])
+    >>> round(vc.measure.order(bar), 6), round(vc.measure.order(bar, direction=90.0), 6)
+    (1.0, -1.0)
     """
     require_pillars(domain, "order")
     return float(np.mean(axis_cosines(axes(domain), direction)))
@@ -172,6 +195,13 @@ def mean_gap(domain: Domain) -> float:
     ------
     InputError
         When the domain has no pillar.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> pair = [[(1, 1), (2, 1), (2, 2), (1, 2)], [(3, 1), (4, 1), (4, 2), (3, 2)]]
+    >>> round(vc.measure.mean_gap(vc.Domain.rectangle(6.0, 3.0, pair)), 6)
+    1.0
     """
     require_pillars(domain, "mean_gap")
     return float(np.mean(pillar_gaps(domain.pillars)))

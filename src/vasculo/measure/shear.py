@@ -31,6 +31,17 @@ class ShearDistribution:
         Length of the wall of each (model length).
     pillar_means, pillar_deviations : ndarray of float64, shape (q,)
         Mean of the magnitude over it, and standard deviation around that mean.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> spread = vc.measure.shear_distribution(flow)
+    >>> len(spread.pillar_means), bool(spread.percentiles([50.0])[0] < spread.shear.max())
+    (4, True)
     """
 
     shear: Floats
@@ -124,6 +135,17 @@ def shear_distribution(flow: Flow) -> ShearDistribution:
     ------
     InputError
         When no pillar has a wall.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> spread = vc.measure.shear_distribution(flow)
+    >>> round(spread.mean / vc.measure.mean_wall_shear(flow), 9)
+    1.0
     """
     mine, length = _pillar_walls(flow)
     shear = np.abs(flow.wall_shear[mine])
@@ -142,6 +164,16 @@ def mean_wall_shear(flow: Flow) -> float:
     ------
     InputError
         When no pillar has a wall.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> round(vc.measure.mean_wall_shear(flow), 3)
+    0.032
     """
     mine, lengths = _pillar_walls(flow)
     return float(np.average(np.abs(flow.wall_shear[mine]), weights=lengths))
@@ -156,6 +188,16 @@ def shear_ratio(flow: Flow) -> float:
     ------
     InputError
         When no pillar has a wall, or the 5th percentile is zero.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> round(vc.measure.shear_ratio(flow), 1)
+    1.3
     """
     found = shear_distribution(flow)
     if not np.isfinite(found.ratio):

@@ -51,6 +51,17 @@ class TubuleFlow:
         Names of the sides, sorted.
     graph : PassageGraph
         The triangles between the outlines from which the rows were made.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> tubules = vc.measure.tubule_flow(domain, flow)
+    >>> tubules.sides
+    ('bottom', 'left', 'right', 'top')
     """
 
     bodies: Ints
@@ -156,6 +167,19 @@ def tubule_flow(domain: Domain, flow: Flow) -> TubuleFlow:
     A side is open when fluid passes through any of its edges, closed when it is a wall, a mirror line, or its velocity
     runs along it.
     A passage between a pillar and an open side is a row without flux (NaN).
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> from vasculo.plexus.voronoi import voronoi_plexus
+    >>> domain = voronoi_plexus(4, seed=1)
+    >>> mesh = vc.generate_mesh(domain, edge_length=0.5)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> tubules = vc.measure.tubule_flow(domain, flow)
+    >>> len(tubules.flux) == len(tubules.width)
+    True
+    >>> bool(abs(tubules.junctions.outflow.sum(axis=1)).max() < 1e-9)  # what flows in flows out
+    True
     """
     mesh = flow.mesh
     if mesh.side_names != domain.side_names or int(mesh.boundary_tags.max(initial=-1)) + 1 != len(domain.pillars):
