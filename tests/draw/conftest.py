@@ -2,6 +2,7 @@
 
 import pytest
 
+from vasculo.draw.report import write_report
 from vasculo.study.run import run
 
 
@@ -25,3 +26,15 @@ def tissue_run(tmp_path_factory):
         "units.shear": 500.0,
     }
     return run("small", tmp_path_factory.mktemp("runs") / "tissue", settings)
+
+
+@pytest.fixture(scope="session")
+def disk_report(disk_run):
+    """The report of the disk, in its folder."""
+    return write_report(disk_run)
+
+
+@pytest.fixture(scope="session")
+def tissue_report(tissue_run):
+    """The report of the tissue, in its folder."""
+    return write_report(tissue_run)

@@ -55,6 +55,6 @@ def test_widths_follow_the_flow_and_colours_the_error(channels):
 def test_the_figure(channels, tmp_path):
     domain, resolved, network = channels
     figure = network_figure(domain, resolved, network, "here")
-    assert figure.axes[0].get_title(loc="left").startswith("here · 1 pillars · 2 passages · mean error ")
+    assert figure.axes[0].get_title(loc="left").startswith("here · 2 passages · mean error ")
     picture = imread(save(figure, tmp_path / "network.png"))
     assert len(np.unique(picture.reshape(-1, picture.shape[2]), axis=0)) > 50

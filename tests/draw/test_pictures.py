@@ -9,8 +9,8 @@ from vasculo.draw.flow import draw_speed, fastest_point, mesh_box, node_speed, s
 from vasculo.draw.frames import iterations
 from vasculo.draw.growth import growth_stages
 from vasculo.draw.pillars import draw_shear, shear_scale
-from vasculo.draw.single import draw_movie, draw_one
-from vasculo.draw.springs import GREYS, WIDTHS, draw_springs, force_scale, zoom
+from vasculo.draw.single import draw_one
+from vasculo.draw.springs import GREYS, REST, WIDTHS, draw_springs, force_scale, look, zoom
 from vasculo.errors import InputError
 from vasculo.store.read import Springs
 
@@ -45,6 +45,15 @@ def test_the_scale_is_the_98th_percentile_of_the_tensions():
     forces = np.linspace(-50.0, 100.0, 1001)
     assert force_scale(springs(forces)) == pytest.approx(np.percentile(np.maximum(forces, 0), 98))
     assert force_scale(springs([])) == 0.0
+
+
+def test_springs_without_force_are_grey_and_one_scale_can_be_given():
+    axes = new_figure(2, 2).subplots()
+    draw_springs(axes, springs(np.zeros(3)), (0.0, 0.0, 1.0, 1.0))
+    draw_springs(axes, springs(np.full(3, 2.0)), (0.0, 0.0, 1.0, 1.0), scale=8.0)
+    rest, pulled = (lines.get_colors()[:, 0] for lines in axes.collections)
+    np.testing.assert_allclose(rest, look(REST)[1])
+    np.testing.assert_allclose(pulled, look(0.25)[1])
 
 
 def test_springs_at_rest_and_outside_can_be_drawn():
@@ -127,36 +136,23 @@ def test_the_same_figure_gives_the_same_bytes(disk_run):
     assert png(draw(disk_run)) == png(draw(disk_run))
 
 
-@pytest.mark.parametrize("what", ["mesh", "flow", "shear", "pillars", "chains"])
+@pytest.mark.parametrize("what", ["mesh", "flow", "pressure", "shear", "pillars", "chains"])
 def test_one_picture_of_one_step(disk_run, what):
-    file = draw_one(disk_run, what, 1)
+    (file,) = draw_one(disk_run, what, 1)
     assert file == disk_run.folder / "figures" / f"{what}-0001.png"
     assert file.read_bytes().startswith(PNG)
-    assert draw_one(disk_run, what).name == f"{what}-0002.png"
+    assert draw_one(disk_run, what)[0].name == f"{what}-0002.png"
 
 
 def test_springs_of_one_step(tissue_run):
     step = tissue_run.steps("vasculogenesis")[1]
-    assert draw_one(tissue_run, "springs", step).name == f"springs-{step:04d}.png"
+    assert draw_one(tissue_run, "springs", step)[0].name == f"springs-{step:04d}.png"
 
 
 def test_what_is_not_there_cannot_be_drawn(disk_run):
     with pytest.raises(InputError, match="no recorded step of vasculogenesis"):
         draw_one(disk_run, "springs")
+    with pytest.raises(InputError, match="'colour' cannot be drawn: choose springs, mesh, flow"):
+        draw_one(disk_run, "colour")
     with pytest.raises(InputError, match="no record of angiogenesis step 9, the nearest is 2"):
         draw_one(disk_run, "flow", 9)
-
-
-def test_a_film(disk_run):
-    pytest.importorskip("imageio_ffmpeg")
-    file = draw_movie(disk_run, "flow")
-    data = file.read_bytes()
-    assert data[4:8] == b"ftyp"
-    assert len(data) > 3000
-    assert [path.name for path in file.parent.glob("*.mp4")] == ["flow.mp4"]
-
-
-def test_a_film_needs_ffmpeg(disk_run, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "imageio_ffmpeg", None)
-    with pytest.raises(InputError, match=r"films need imageio-ffmpeg: pip install 'vasculo\[draw\]'"):
-        draw_movie(disk_run, "flow")

@@ -6,23 +6,20 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from vasculo.draw.canvas import CHAIN, PILLAR, SPEED, new_figure
-from vasculo.draw.chains import chain_classes, draw_corridors, draw_lineage
+from vasculo.draw.canvas import new_figure
+from vasculo.draw.chains import chain_classes, draw_lineage
 from vasculo.draw.curves import draw_curves
 from vasculo.draw.figures import pictures
-from vasculo.draw.frames import cells_of, draw_frames
+from vasculo.draw.frames import columns_of, draw_frames
 from vasculo.draw.pillars import pen
 from vasculo.draw.rose import draw_mergers
 from vasculo.draw.scale import flow_arrow, length_unit, nice_length, scale_bar
 from vasculo.draw.shares import draw_shares, membrane
-from vasculo.draw.single import paint, view_of
+from vasculo.draw.single import picture
+from vasculo.draw.views import paint, view_of
 from vasculo.geometry.outline import perimeter
 from vasculo.pillars.events import Event
 from vasculo.store.read import Pillars
-
-
-def brightness(colour):
-    return np.array(colour[:3]) @ (0.299, 0.587, 0.114)
 
 
 def merger(step, angle):
@@ -37,7 +34,7 @@ class Chained:
     """A run of two recorded steps: five squares, of which three and two become chains."""
 
     def __init__(self, run):
-        self.run, self.settings = run, run.settings
+        self.run, self.settings, self.units, self.domain = run, run.settings, run.units, run.domain
         self.events = tuple(merger(1, angle) for angle in (3.0, 0.0, 90.0))
 
     def steps(self):
@@ -54,31 +51,25 @@ class Chained:
         return Pillars(rows[0], rows[1], nothing, nothing, self.events if step == 1 else ())
 
 
-def test_speed_stays_darker_than_a_pillar_in_grey_print():
-    speeds = [brightness(SPEED(share)) for share in np.linspace(0.0, 1.0, 50)]
-    assert (np.diff(speeds) > 0.0).all()
-    tone = [int(PILLAR[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]
-    assert brightness(tone) > speeds[-1]
-    chains = [brightness(CHAIN(share)) for share in np.linspace(0.0, 1.0, 50)]
-    assert (np.diff(chains) < 0.0).all()
-
-
-def test_frames_have_one_scale_and_a_legend_in_the_last_cell(tissue_run):
+def test_frames_have_one_scale_and_what_they_need_below(tissue_run):
     figure = draw_frames(tissue_run)
     shown = [axes for axes in figure.axes if axes.get_title(loc="left").startswith("step")]
     assert [axes.get_title(loc="left").split(" ")[1] for axes in shown] == ["0", "1"]
     tops = {axes.collections[0].norm.vmax for axes in shown}
     assert len(tops) == 1
-    legend = figure.axes[2]
-    assert legend.get_legend() is not None
-    assert legend.get_xlim() == shown[0].get_xlim()
+    (below,) = [axes for axes in figure.axes if axes.texts]
+    assert below.texts[0].get_text().endswith("µm")
+    assert below.texts[-1].get_text() == "flow"
+    (bar,) = below.child_axes
+    assert bar.get_title(loc="left") == "speed over its mean at step 0"
 
 
 @pytest.mark.parametrize(("ratio", "columns"), [(1.0, 3), (1.5, 2), (5.0, 1)])
-def test_cells_follow_the_shape_of_the_domain(ratio, columns):
-    figure, cells = cells_of((0.0, 0.0, ratio, 1.0), 5)
-    assert cells[0].get_subplotspec().get_gridspec().ncols == columns
-    assert sum(axes.get_visible() for axes in figure.axes) == 5
+def test_columns_follow_the_shape_of_the_domain_and_the_width(ratio, columns):
+    box = (0.0, 0.0, ratio, 1.0)
+    assert columns_of(box, 6, 7.0) == columns
+    assert columns_of(box, 6, 3.3) == min(columns, 2)
+    assert columns_of(box, 1, 7.0) == columns_of(box, 6, 1.0) == 1
 
 
 def test_the_scale_bar_has_the_length_it_says():
@@ -95,7 +86,7 @@ def test_the_unit_of_lengths(disk_run, tissue_run):
     assert tissue_run.settings["units"]["length"] == 1000.0
     assert length_unit(tissue_run) == (pytest.approx(1e-3), "µm")
     radius, name = length_unit(disk_run)
-    assert name == "$R_0$"
+    assert name == "R₀"
     assert radius == pytest.approx(1.0, rel=0.01)
 
 
@@ -119,7 +110,7 @@ def test_every_chain_has_a_class(largest):
 
 
 def test_corridors_are_drawn_for_any_step(tissue_run):
-    assert draw_corridors(tissue_run).axes[0].get_title(loc="left").startswith("step 1")
+    assert picture(tissue_run, "chains").axes[0].get_title(loc="left").startswith("step 1")
     axes = new_figure(3, 3).subplots()
     paint(tissue_run, view_of(tissue_run, "chains"), axes, 0)
     assert f"{len(tissue_run.pillars(0).outlines)} pillars" in axes.get_title(loc="left")
@@ -131,7 +122,9 @@ def test_pillars_have_the_colour_of_their_chain(disk_run):
     first, last = [to_hex(c) for c in first], [to_hex(c) for c in last]
     assert first == [last[0], last[0], last[1], last[1], last[0]]
     assert last[0] != last[1]
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["3", "2", "single"]
+    assert [text.get_text() for text in figure.axes[2].get_legend().get_texts()] == ["A: 3", "B: 2", "single"]
+    letters = [[text.get_text() for text in axes.texts] for axes in figure.axes[:2]]
+    assert letters == [["A", "A", "B", "B", "A"], ["A", "B"]]
 
 
 def test_the_rose_counts_every_merger_on_both_sides(disk_run):
@@ -162,11 +155,19 @@ def test_outlines_get_thinner_with_their_number():
 
 def test_numbers_that_a_run_has_not_are_left_out_of_the_curves(disk_run, monkeypatch):
     whole = len([axes for axes in draw_curves(disk_run, "angiogenesis").axes if axes.get_visible()])
-    for name in ("local_angle", "shear_ratio"):
+    for name in ("local_angle", "permeability"):
         assert np.isfinite(disk_run.metrics[name]).any()
         monkeypatch.delitem(disk_run.metrics, name)
     left = draw_curves(disk_run, "angiogenesis")
     assert len([axes for axes in left.axes if axes.get_visible()]) == whole - 2
+
+
+def test_what_stays_the_same_is_left_out_of_the_curves(disk_run, tissue_run):
+    titles = [
+        [axes.get_title(loc="left") for axes in draw_curves(run, "angiogenesis").axes] for run in (disk_run, tissue_run)
+    ]
+    assert "fastest to slowest shear" not in titles[0]
+    assert {"fastest to slowest shear", "distances, µm", "angle to the local flow, degrees"} <= set(titles[1])
 
 
 def test_mergers_bring_their_pictures(tissue_run, monkeypatch):

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from string import ascii_uppercase
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.patches import Patch
+from shapely import Polygon
 
-from vasculo.draw.canvas import CHAIN, INK, PILLAR_EDGE, new_figure, panel
-from vasculo.draw.flow import draw_field, mean_speed, mesh_box, node_speed
+from vasculo.draw.canvas import CHAIN, CHAINS, PILLAR_EDGE, SMALL, WIDTH, panel
+from vasculo.draw.flow import draw_field, mesh_box
+from vasculo.draw.frames import columns_of
 from vasculo.draw.pillars import add, pen
-from vasculo.draw.scale import TEXT, colour_bar, flow_arrow, length_unit, scale_bar
+from vasculo.draw.sheet import Legend, key, sheet
 from vasculo.draw.streamlines import draw_streamlines
 
 if TYPE_CHECKING:
@@ -28,20 +31,7 @@ LANES = 24
 """Streamlines in a picture of the corridors: each stands for 1/24 of the flow."""
 _SIZES = (1, 2, 3, 5, 9, 17, 33, 65, 129, 257, 513, 1025)
 """Chains of as many original pillars and more, up to the next, have one colour."""
-_FAST = 99.9
-"""Percentile of the node speeds that is drawn brightest."""
-_NAMED = ("#1b6ca8", "#d1495b", "#2e933c", "#edae49", "#6f4a8e", "#00798c", "#b5651d", "#e07be0")
-_OTHER, _SINGLE = "#c9c2ba", "#f1ece6"
-_SIDE, _NARROW, _STRIP = 8.0, 6.0, 0.9  # inches: the longer side, the least width, the strip below
-_LEGEND: dict[str, Any] = {
-    "fontsize": TEXT,
-    "title_fontsize": TEXT,
-    "frameon": False,
-    "labelcolor": INK,
-    "handlelength": 1.2,
-    "columnspacing": 1.2,
-    "borderpad": 0.0,
-}
+OTHER, SINGLE = "#c9c2ba", "#f1ece6"
 
 
 def chain_classes(largest: int) -> list[tuple[int, str, Any]]:
@@ -55,7 +45,15 @@ def chain_classes(largest: int) -> list[tuple[int, str, Any]]:
     ]
 
 
-def draw_lanes(axes: Any, flow: FlowFields, pillars: Pillars, box: Box, title: str, classes: Classes) -> Any:
+def draw_lanes(
+    axes: Any,
+    flow: FlowFields,
+    pillars: Pillars,
+    box: Box,
+    title: str,
+    classes: Classes,
+    top: float,
+) -> Any:
     """Draw the flow on a linear scale of its own with lines of equal flow, and the pillars by the size of their chain.
 
     Parameters
@@ -72,12 +70,14 @@ def draw_lanes(axes: Any, flow: FlowFields, pillars: Pillars, box: Box, title: s
         Caption.
     classes : list of tuple
         From `chain_classes`.
+    top : float
+        Speed drawn brightest.
 
     Returns
     -------
     The coloured mesh, for a colour bar.
     """
-    shown = draw_field(axes, flow, float(np.percentile(node_speed(flow), _FAST)), gamma=1.0)
+    shown = draw_field(axes, flow, top, gamma=1.0)
     draw_streamlines(axes, flow, LANES, width=0.6)
     begins = [first for first, _, _ in classes]
     rank = np.searchsorted(begins, [len(group) for group in pillars.lineage], side="right") - 1
@@ -86,54 +86,41 @@ def draw_lanes(axes: Any, flow: FlowFields, pillars: Pillars, box: Box, title: s
     return shown
 
 
-def draw_corridors(run: Run) -> Figure:
-    """Draw the lanes of the last step, and below what the colours mean."""
-    step = run.steps()[-1]
-    flow, pillars = run.flow(step), run.pillars(step)
-    box = mesh_box(flow.mesh)
-    classes = chain_classes(max((len(group) for group in pillars.lineage), default=1))
-    wide, high = box[2] - box[0], box[3] - box[1]
-    factor = _SIDE / max(wide, high)
-    figure = new_figure(max(_NARROW, wide * factor), high * factor + _STRIP + 0.3)
-    above, below = figure.subplots(2, 1, height_ratios=(high * factor, _STRIP))
-    title = f"step {step} · {len(pillars.outlines)} pillars · as much flow between each two lines"
-    shown = draw_lanes(above, flow, pillars, box, title, classes)
-    below.set_axis_off()
-    colour_bar(below, shown, "speed over its mean", (0.0, 0.14, 0.36, 0.16), mean_speed(flow))
-    keys = [Patch(facecolor=tone, edgecolor=PILLAR_EDGE, linewidth=0.5, label=name) for _, name, tone in classes]
-    below.legend(
-        handles=keys,
-        title="pillars filled by how many original ones are in them",
-        alignment="left",
-        ncols=len(keys) if len(keys) < 6 else -(-len(keys) // 2),
-        loc="upper left",
-        bbox_to_anchor=(0.44, 0.6),
-        **_LEGEND,
-    )
-    scale_bar(below, box, length_unit(run), 0.88, above)
-    flow_arrow(below, run, (0.93, 0.88))
-    return figure
-
-
-def draw_lineage(run: Run) -> Figure:
-    """Draw the pillars of the start and the end, those of the largest chains in one colour a chain."""
+def draw_lineage(run: Run, width: float = WIDTH) -> Figure:
+    """Draw the pillars of the start and the end, a colour and a letter for each of the largest chains."""
     steps = (run.steps()[0], run.steps()[-1])
     first, last = (run.pillars(step) for step in steps)
     order = sorted(range(len(last.lineage)), key=lambda k: (-len(last.lineage[k]), last.lineage[k]))
     colour: dict[int, str] = {}
+    letter: dict[int, str] = {}
     for rank, k in enumerate(order):
         size = len(last.lineage[k])
-        tone = _SINGLE if size == 1 else _NAMED[rank] if rank < len(_NAMED) else _OTHER
+        named = size > 1 and rank < len(CHAINS)
+        tone = SINGLE if size == 1 else CHAINS[rank] if named else OTHER
         colour |= dict.fromkeys(last.lineage[k], tone)
+        if named:
+            letter |= dict.fromkeys(last.lineage[k], ascii_uppercase[rank])
+    legend = _named([len(last.lineage[k]) for k in order])
     box = mesh_box(run.mesh(steps[0]))
-    ratio = (box[3] - box[1]) / (box[2] - box[0])
-    figure = new_figure(9.6, 4.8 * ratio + 0.8)
-    titles = (f"step {steps[0]} · which chain each pillar will be in", f"step {steps[1]} · the chains")
-    for axes, pillars, title in zip(figure.subplots(1, 2), (first, last), titles, strict=True):
-        fill(axes, pillars.outlines, [colour.get(group[0], _SINGLE) for group in pillars.lineage])
+    made = sheet(box, width, 2, min(2, columns_of(box, 2, width)), legend=legend, bar=False)
+    titles = (f"step {steps[0]} · the chains to come", f"step {steps[1]} · the chains")
+    for axes, pillars, title in zip(made.panels, (first, last), titles, strict=True):
+        fill(axes, pillars.outlines, [colour.get(group[0], SINGLE) for group in pillars.lineage])
+        _letters(axes, pillars.outlines, [letter.get(group[0], "") for group in pillars.lineage])
         panel(axes, box, title)
-    _named(figure, [len(last.lineage[k]) for k in order])
-    return figure
+    key(made, run)
+    return made.figure
+
+
+def _letters(axes: Any, outlines: Sequence[NDArray[np.float64]], letters: Sequence[str]) -> None:
+    """Write a letter into each outline that has one: in grey print the colours look alike."""
+    size = max(4.5, SMALL * pen(len(outlines)))
+    for outline, word in zip(outlines, letters, strict=True):
+        if word:
+            place = Polygon(outline).representative_point()
+            axes.text(
+                place.x, place.y, word, fontsize=size, color="white", ha="center", va="center", zorder=4, clip_on=True
+            )
 
 
 def fill(axes: Any, outlines: Sequence[NDArray[np.float64]], colours: Sequence[Any]) -> None:
@@ -147,13 +134,15 @@ def fill(axes: Any, outlines: Sequence[NDArray[np.float64]], colours: Sequence[A
     )
 
 
-def _named(figure: Figure, sizes: list[int]) -> None:
-    """Name the colours of the largest chains by their number of original pillars."""
+def _named(sizes: list[int]) -> Legend:
+    """Name the colours of the largest chains by their letter and their number of original pillars."""
     chains = [size for size in sizes if size > 1]
-    keys = [Patch(facecolor=tone, label=f"{size}") for tone, size in zip(_NAMED, chains, strict=False)]
+    keys = [
+        Patch(facecolor=tone, label=f"{word}: {size}")
+        for word, tone, size in zip(ascii_uppercase, CHAINS, chains, strict=False)
+    ]
     rest = len(chains) - len(keys)
     if rest > 0:
-        keys.append(Patch(facecolor=_OTHER, label=f"in {rest} smaller chains"))
-    keys.append(Patch(facecolor=_SINGLE, edgecolor=PILLAR_EDGE, linewidth=0.4, label="single"))
-    words = "original pillars in the chain"
-    figure.legend(handles=keys, title=words, loc="outside lower center", ncols=len(keys), **_LEGEND)
+        keys.append(Patch(facecolor=OTHER, label=f"{rest} smaller"))
+    keys.append(Patch(facecolor=SINGLE, edgecolor=PILLAR_EDGE, linewidth=0.4, label="single"))
+    return Legend(keys, "original pillars in the chain")

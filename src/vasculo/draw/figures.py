@@ -5,18 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vasculo.draw.canvas import save
-from vasculo.draw.chains import draw_corridors, draw_lineage
+from vasculo.draw.canvas import WIDTH, save
+from vasculo.draw.chains import draw_lineage
 from vasculo.draw.curves import draw_curves
 from vasculo.draw.frames import draw_frames
 from vasculo.draw.growth import draw_extraction, draw_mesh_stages, draw_plexus
 from vasculo.draw.rose import draw_mergers
 from vasculo.draw.shares import draw_shares
+from vasculo.draw.single import picture
 from vasculo.draw.start_end import draw_flow, draw_wall_shear
 from vasculo.store.read import FIGURES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from matplotlib.figure import Figure
@@ -37,13 +38,13 @@ class Picture:
     caption : str
         What it shows.
     draw : callable
-        Makes it from the run.
+        Makes it from the run, and if given from a width in inches.
     """
 
     name: str
     title: str
     caption: str
-    draw: Callable[[Run], Figure]
+    draw: Callable[..., Figure]
 
 
 def pictures(run: Run) -> list[Picture]:
@@ -70,7 +71,14 @@ def pictures(run: Run) -> list[Picture]:
     return found
 
 
-def draw_all(run: Run, tell: Callable[[float, float, str], object] | None = None) -> list[Path]:
+def draw_all(
+    run: Run,
+    tell: Callable[[float, float, str], object] | None = None,
+    *,
+    width: float = WIDTH,
+    dpi: int | None = None,
+    formats: Sequence[str] = ("png",),
+) -> list[Path]:
     """Draw every figure of a run into its folder `figures`; return the files.
 
     Parameters
@@ -79,20 +87,27 @@ def draw_all(run: Run, tell: Callable[[float, float, str], object] | None = None
         An opened run.
     tell : callable, optional
         Called before each figure with the number done, the number in all and its title.
+    width : float
+        Width of each figure, inches.
+    dpi : int, optional
+        Dots per inch; by default those that suit the figure.
+    formats : sequence of {"png", "svg", "pdf"}
+        Kinds of files.
     """
     files = []
     wanted = pictures(run)
-    for number, picture in enumerate(wanted):
+    for number, wanted_one in enumerate(wanted):
         if tell is not None:
-            tell(number, len(wanted), picture.title)
-        files.append(save(picture.draw(run), run.folder / FIGURES / f"{picture.name}.png"))
+            tell(number, len(wanted), wanted_one.title)
+        figure = wanted_one.draw(run, width)
+        files += [save(figure, run.folder / FIGURES / f"{wanted_one.name}.{kind}", dpi) for kind in formats]
     return files
 
 
 _MESH = Picture(
     "fig1-springs",
     "The mesh tears (Fig 1)",
-    "Three stages of the traction-driven remodelling, whole above and a fragment below. Width and grey of a spring "
+    "Three stages of the traction-driven remodelling, whole and a fragment of each. Width and grey of a spring "
     "follow its force, clipped at the 98th percentile.",
     draw_mesh_stages,
 )
@@ -141,12 +156,12 @@ _CORRIDORS = Picture(
     "The lanes that carry the flow",
     "The last step on a linear scale of speed. As much flow passes between each two white lines, so they crowd in the "
     "corridors. Pillars are filled by the number of original pillars that merged into them.",
-    draw_corridors,
+    lambda run, width=WIDTH: picture(run, "chains", width=width),
 )
 _LINEAGE = Picture(
     "lineage",
     "Which pillars became which chain",
-    "The first and the last step; the largest chains and the pillars they came from in one colour each.",
+    "The first and the last step; the largest chains and the pillars they came from have one colour and letter each.",
     draw_lineage,
 )
 _MERGERS = Picture(
@@ -167,18 +182,18 @@ _SHARES = Picture(
 _SHEAR = Picture(
     "wall-shear",
     "Wall shear on the pillars",
-    "What the pillars feel, at the start and at the end, on one scale.",
+    "What the pillars feel, at the start and at the end, on one scale: darker and wider where it is larger.",
     draw_wall_shear,
 )
 _GROWTH = Picture(
     "curves-vasculogenesis",
     "Vasculogenesis in numbers",
     "Living springs, share of the tissue in voids, and number of voids over the model time.",
-    lambda run: draw_curves(run, "vasculogenesis"),
+    lambda run, width=WIDTH: draw_curves(run, "vasculogenesis", width),
 )
 _CURVES = Picture(
     "curves-angiogenesis",
     "Angiogenesis in numbers",
     "Pillars, alignment, shape and flow over the geometry steps.",
-    lambda run: draw_curves(run, "angiogenesis"),
+    lambda run, width=WIDTH: draw_curves(run, "angiogenesis", width),
 )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vasculo.draw.canvas import ACCENT, PILLAR, SPEED, panel
+from vasculo.draw.canvas import ACCENT, INK, PILLAR, PRESSURE, SPEED, panel
 from vasculo.draw.pillars import add, draw_pillars
 
 if TYPE_CHECKING:
@@ -15,20 +15,21 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vasculo.draw.canvas import Box
+    from vasculo.flow.solution import Flow
     from vasculo.mesh.triangulation import Triangulation
-    from vasculo.store.read import FlowFields
+    from vasculo.store.read import FlowFields, Run
 
 CLIP = 99.5  # percentile of the node speeds that is drawn brightest
 _GAMMA = 0.5  # lifts slow passages out of the dark; a single pillar in a wide channel needs none
 
 
-def node_speed(flow: FlowFields) -> NDArray[np.float64]:
+def node_speed(flow: FlowFields | Flow) -> NDArray[np.float64]:
     """Speed at the mesh nodes; (n,) float64, model length per time."""
     velocity = flow.node_velocity()
     return np.hypot(velocity[:, 0], velocity[:, 1])
 
 
-def speed_scale(flow: FlowFields) -> float:
+def speed_scale(flow: FlowFields | Flow) -> float:
     """Speed that is drawn brightest."""
     return float(np.percentile(node_speed(flow), CLIP))
 
@@ -37,6 +38,29 @@ def mean_speed(flow: FlowFields) -> float:
     """Mean speed over the fluid."""
     speed = np.hypot(flow.velocity[:, 0], flow.velocity[:, 1])
     return float(speed @ flow.mesh.areas / flow.mesh.areas.sum())
+
+
+def speed_words(run: Run, first: FlowFields) -> tuple[float, str]:
+    """Speed that counts as 1 on a colour bar, and its caption: physical where the study names units.
+
+    Otherwise speeds are told over their mean in the flow `first` of the first step.
+    """
+    if run.units.known("velocity"):
+        return 1.0 / run.units.factor("velocity"), f"speed, {run.units.name('velocity')}"
+    return mean_speed(first), f"speed over its mean at step {run.steps()[0]}"
+
+
+def node_pressure(flow: FlowFields) -> NDArray[np.float64]:
+    """Pressure at the mesh nodes: mean of the triangles around, by area; (n,) float64, model pressure."""
+    mesh = flow.mesh
+    corners, weights = mesh.triangles.ravel(), np.repeat(mesh.areas, 3)
+    count = len(mesh.points)
+    return np.bincount(corners, weights * np.repeat(flow.pressure, 3), count) / np.bincount(corners, weights, count)
+
+
+def pressure_scale(flow: FlowFields) -> float:
+    """Pressure that is drawn darkest: the highest."""
+    return float(flow.pressure.max())
 
 
 def fastest_point(flow: FlowFields) -> tuple[float, float]:
@@ -84,7 +108,7 @@ def draw_speed(
     return colours
 
 
-def draw_field(axes: Any, flow: FlowFields, top: float, gamma: float) -> Any:
+def draw_field(axes: Any, flow: FlowFields | Flow, top: float, gamma: float) -> Any:
     """Draw the speed alone, `top` and more brightest, on a scale of speed to the power `gamma`."""
     from matplotlib.colors import PowerNorm  # noqa: PLC0415  # heavy, and only here
 
@@ -99,6 +123,42 @@ def draw_field(axes: Any, flow: FlowFields, top: float, gamma: float) -> Any:
         rasterized=True,
     )
     colours.set_in_layout(False)
+    return colours
+
+
+def draw_pressure(
+    axes: Any,
+    flow: FlowFields,
+    outlines: Sequence[NDArray[np.float64]],
+    box: Box,
+    title: str = "",
+    scale: float | None = None,
+) -> Any:
+    """Draw the pressure with ten lines of equal pressure, and the pillars; return the coloured mesh, for a colour bar.
+
+    Parameters are those of `draw_speed`; `scale` is the pressure drawn darkest.
+    """
+    top = pressure_scale(flow) if scale is None else scale
+    top = top if top > 0.0 else 1.0
+    x, y = flow.mesh.points.T
+    pressure = node_pressure(flow)
+    colours = axes.tripcolor(
+        x,
+        y,
+        pressure,
+        triangles=flow.mesh.triangles,
+        shading="gouraud",
+        cmap=PRESSURE,
+        vmin=0.0,
+        vmax=top,
+        rasterized=True,
+    )
+    levels = np.linspace(0.0, top, 22)[1:-1:2]
+    lines = axes.tricontour(x, y, flow.mesh.triangles, pressure, levels=levels, colors=INK, linewidths=0.4, zorder=2)
+    for shown in (colours, lines):
+        shown.set_in_layout(False)
+    draw_pillars(axes, outlines)
+    panel(axes, box, title)
     return colours
 
 

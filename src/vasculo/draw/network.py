@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vasculo.draw.canvas import new_figure, panel
+from vasculo.draw.canvas import ERROR, INK, SMALL, TEXT, WIDTH, panel
 from vasculo.draw.pillars import draw_pillars
+from vasculo.draw.sheet import bar_of, sheet
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,15 +21,12 @@ if TYPE_CHECKING:
     from vasculo.measure.network import NetworkFlow
     from vasculo.measure.tubules import TubuleFlow
 
-ERROR = "RdBu_r"
-"""Blue where the network has too little flow, red where it has too much."""
-FLUID, PALE = "#6d7480", "#efe6df"
-"""Dark enough for the pale lines of passages without an error."""
+GROUND, PALE = "#20242c", "#efe6df"
+"""Fluid and pillars: darker and lighter than the lines of the passages."""
 WIDEST, THINNEST = 7.0, 0.6
 """Width of the line of the strongest and of the weakest passage, points."""
 CLIP = 0.15
 """Relative error with the strongest colour."""
-_SIDE = 8.0  # inches of the longer side
 
 
 def relative_error(network: TubuleFlow, resolved: TubuleFlow) -> NDArray[np.float64]:
@@ -93,25 +91,34 @@ def draw_network(
     lines.set_array(relative_error(network, resolved)[row])
     lines.set_clim(-clip, clip)
     axes.add_collection(lines)
-    axes.set_facecolor(FLUID)
+    axes.set_facecolor(GROUND)
     panel(axes, box, title)
     return lines
 
 
-def network_figure(domain: Domain, resolved: TubuleFlow, network: NetworkFlow, title: str = "") -> Figure:
-    """Make a figure of the whole domain with `draw_network`, its colour bar, and the error of the flow rate."""
+def network_figure(
+    domain: Domain,
+    resolved: TubuleFlow,
+    network: NetworkFlow,
+    title: str = "",
+    width: float = WIDTH,
+    unit: tuple[float, str] | None = None,
+) -> Figure:
+    """Make a figure of the whole domain with `draw_network`, its colour bar, and the error of the flow rate.
+
+    The scale bar is told in `unit`, as of `vasculo.draw.scale.length_unit`; by default in mean radii of the pillars.
+    """
     box = domain.bounds
-    wide, high = box[2] - box[0], box[3] - box[1]
-    factor = _SIDE / max(wide, high)
-    figure = new_figure(wide * factor, high * factor + 0.9)
+    made = sheet(box, width)
     flow = np.abs(resolved.flux[resolved.between_walls])
     error = np.abs(network.flux - resolved.flux)[resolved.between_walls].sum() / flow.sum()
-    words = f"{len(domain.pillars)} pillars · {len(flow)} passages · mean error {100.0 * error:.1f} % of the mean flow"
-    axes = figure.subplots()
+    words = f"{len(flow):,} passages · mean error {100.0 * error:.1f} % of the mean flow"
     text = f"{title} · {words}" if title else words
-    lines = draw_network(axes, domain.pillars, resolved, network, box, text)
-    bar = figure.colorbar(lines, ax=axes, location="bottom", shrink=0.6, aspect=40, pad=0.02, extend="both")
+    lines = draw_network(made.panels[0], domain.pillars, resolved, network, box, text)
+    place = (0.0, made.row, 0.42, 0.09 / made.strip[1])
+    bar = made.figure.colorbar(lines, cax=made.below.inset_axes(place), orientation="horizontal", extend="both")
     bar.ax.xaxis.set_major_formatter(lambda value, _: f"{100.0 * value:+.0f} %")
-    bar.ax.tick_params(labelsize=7)
-    bar.set_label("flow of the Poiseuille network over the resolved one; widths follow the flow", fontsize=7.5)
-    return figure
+    bar.ax.tick_params(labelsize=SMALL)
+    bar.ax.set_title("error of the Poiseuille network; width: flow", fontsize=TEXT, color=INK, loc="left", pad=4)
+    bar_of(made, unit or (domain.mean_radius, "R₀"), 0.53, made.panels[0], box)
+    return made.figure

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-WHOLE, CUT, WALL, LOST = "#e4572e", "#f2b134", "#8e44ad", "#d81b60"
+WHOLE, CUT, WALL, LOST = "#d1451b", "#f2b134", "#5b2a86", "#f06fb4"
 """Colours of pillars, pillars that the border cuts, walls, and vessel parts that were left out."""
 PALE = 0.45
 """Share of white that is laid over the picture."""

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from vasculo.store.read import FlowFields
 
 
+THIN, WIDE = 0.6, 1.5
+"""Factors on the width of the lines where the shear is nothing and where it is at the top of its scale."""
+
+
 def pen(count: int) -> float:
     """Factor on the width of outlines: thinner where there are more pillars than print well."""
     return max(0.25, min(1.0, (100.0 / max(count, 1)) ** 0.5))
@@ -68,22 +72,23 @@ def draw_shear(
     title: str = "",
     scale: float | None = None,
 ) -> Any:
-    """Draw the magnitude of the wall shear along the pillars; return the coloured lines, for a colour bar."""
+    """Draw the magnitude of the wall shear along the pillars, wider and darker; return the lines, for a colour bar."""
     from matplotlib.collections import LineCollection, PolyCollection  # noqa: PLC0415
 
-    add(axes, PolyCollection(outlines, facecolors="#f3ece6", edgecolors="none", zorder=1))
+    add(axes, PolyCollection(outlines, facecolors="#f6f2ee", edgecolors="none", zorder=1))
     on_pillars = flow.wall_pillar >= 0
+    top = (shear_scale(flow) if scale is None else scale) or 1.0
+    shear = np.minimum(np.abs(flow.wall_shear[on_pillars]), top)
     lines = LineCollection(
         list(flow.mesh.points[flow.wall_edges[on_pillars]]),
         cmap=SHEAR,
-        linewidths=1.8 * max(0.4, pen(len(outlines))),
+        linewidths=1.8 * max(0.4, pen(len(outlines))) * (THIN + (WIDE - THIN) * shear / top),
         capstyle="round",
         zorder=2,
         rasterized=True,
     )
     lines.set_array(np.abs(flow.wall_shear[on_pillars]))
-    top = shear_scale(flow) if scale is None else scale
-    lines.set_clim(0.0, top if top > 0.0 else 1.0)
+    lines.set_clim(0.0, top)
     add(axes, lines)
     panel(axes, box, title)
     return lines

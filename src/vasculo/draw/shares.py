@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vasculo.draw.canvas import ACCENT, INK, MUTED, PILLAR, PILLAR_EDGE, new_figure
+from vasculo.draw.canvas import ACCENT, INK, MUTED, PILLAR, PILLAR_EDGE, SMALL, WIDTH, new_figure
 from vasculo.draw.curves import plain
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _BINS = 40
+_NARROWEST = 4.5  # inches of two panels beside each other
 _MOST = 3.0
 """Shear over its mean at which the last bin ends; it holds what is above, too."""
 
@@ -39,25 +40,26 @@ def membrane(pillars: Pillars) -> tuple[Floats, Floats, Floats]:
     return length, shear / mean if mean > 0.0 else shear, np.concatenate(pillars.activation)
 
 
-def draw_shares(run: Run) -> Figure:
+def draw_shares(run: Run, width: float = WIDTH) -> Figure:
     """Draw the distribution of the wall shear and of the activation over the membranes, first and last step."""
     shown = {step: run.pillars(step) for step in sorted({run.steps()[0], run.steps()[-1]})}
     steps = [step for step, pillars in shown.items() if pillars.outlines]
     sensed = [membrane(shown[step]) for step in steps]
-    figure = new_figure(9.6, 3.1)
-    left, right = figure.subplots(1, 2)
+    beside = width > _NARROWEST
+    figure = new_figure(width, 0.34 * width if beside else 1.4 * width)
+    left, right = figure.subplots(*((1, 2) if beside else (2, 1)))
     limit = max(1.0, *(float(np.abs(activation).max()) for _, _, activation in sensed))
     for k, (step, (length, shear, activation)) in enumerate(zip(steps, sensed, strict=True)):
         last = k == len(steps) - 1
         _bars(left, np.minimum(shear, _MOST), length, (0.0, _MOST), _words(step, shear, length), last=last)
         _bars(right, activation, length, (-limit, limit), _words(step, activation, length), last=last)
-    plain(left, f"wall shear over its mean (all above {_MOST:g} in the last bin)", "share of membrane length a bin, %")
-    plain(right, "activation: above 0 the filaments contract", "share of membrane length a bin, %")
+    plain(left, f"wall shear over its mean (all above {_MOST:g} in the last bin)", "share of membrane length, %")
+    plain(right, "activation: above 0 the filaments contract", "share of membrane length, %")
     left.axvline(1.0, color=MUTED, linewidth=0.8, linestyle=":")
     right.axvline(0.0, color=MUTED, linewidth=0.8, linestyle=":")
     for axes in (left, right):
         axes.set_ylim(0.0, 1.2 * axes.get_ylim()[1])
-        axes.legend(frameon=False, fontsize=7.5, labelcolor=INK, loc="upper right")
+        axes.legend(frameon=False, fontsize=SMALL, labelcolor=INK, loc="upper right")
     return figure
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vasculo.draw.canvas import RESOLUTION, panel
+from vasculo.draw.canvas import RESOLUTION, WIDTH, panel
 from vasculo.draw.seam import images
 
 if TYPE_CHECKING:
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 CLIP = 98.0  # percentile of the tensions that is drawn full black and full width
 WIDTHS = (0.15, 1.2)  # points, whole mesh
 GREYS = (0.82, 0.04)
+REST = 0.25
+"""How springs are drawn when none is stretched: as if by this share of the scale."""
 CROWD = 100_000
 """Springs in view above which they are drawn as an image instead of as lines."""
 _THIN = 35_000  # springs that print well in the widths above
@@ -40,12 +42,32 @@ def zoom(springs: int) -> float:
     return min(2.5, (_THIN / max(springs, 1)) ** 0.4)
 
 
+def fit(axes: Any) -> float:
+    """Factor on the line widths for the size of axes on the page: less, but not in proportion, in a small picture."""
+    inches = axes.get_position().width * axes.figure.get_figwidth()
+    return float((inches / WIDTH) ** 0.6)
+
+
 def sharpness(springs: int) -> int:
     """Dots per inch of a picture of so many springs in all: more where the cords are fine."""
     return round(min(_SHARPEST, RESOLUTION * max(1.0, (springs / CROWD) ** 0.2)))
 
 
-def draw_springs(axes: Any, springs: Springs, box: Box, title: str = "", widen: float = 1.0) -> None:
+def look(pull: Any) -> tuple[Any, Any]:
+    """Width in points and grey of springs by their force over the scale, from 0 to 1."""
+    return WIDTHS[0] + (WIDTHS[1] - WIDTHS[0]) * pull, GREYS[0] + (GREYS[1] - GREYS[0]) * pull**0.7
+
+
+def draw_springs(
+    axes: Any,
+    springs: Springs,
+    box: Box,
+    title: str = "",
+    widen: float = 1.0,
+    scale: float | None = None,
+    *,
+    image: bool | None = None,
+) -> None:
     """Draw the springs inside `box`.
 
     Parameters
@@ -60,16 +82,19 @@ def draw_springs(axes: Any, springs: Springs, box: Box, title: str = "", widen: 
         Caption.
     widen : float
         Factor on the line widths, for fragments.
+    scale : float, optional
+        Tension drawn full black; by default the 98th percentile of this step.
+    image : bool, optional
+        Draw an image of the springs instead of lines; by default when there are many.
     """
     points, pairs, forces = _in_view(springs, box)
-    scale = force_scale(springs)
-    pull = np.clip(forces / scale, 0.0, 1.0) if scale > 0.0 else np.zeros(len(forces))
+    top = force_scale(springs) if scale is None else scale
+    pull = np.clip(forces / top, 0.0, 1.0) if top > 0.0 else np.full(len(forces), REST)
     order = np.argsort(pull, kind="stable")
     ends, pull = points[pairs[order]], pull[order]
-    widths = widen * (WIDTHS[0] + (WIDTHS[1] - WIDTHS[0]) * pull)
-    grey = GREYS[0] + (GREYS[1] - GREYS[0]) * pull**0.7
-    lines = _crowd if len(ends) > CROWD else _lines
-    artist = lines(axes, ends, widths, grey)
+    widths, grey = look(pull)
+    lines = _crowd if (len(ends) > CROWD if image is None else image) else _lines
+    artist = lines(axes, ends, widen * widths, grey)
     panel(axes, box, title)
     if springs.box is not None:
         from matplotlib.patches import Rectangle  # noqa: PLC0415  # heavy, and only here

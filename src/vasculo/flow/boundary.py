@@ -45,6 +45,15 @@ class Wall:
     velocity : pair of float or callable, or callable
         Velocity of the wall (model length per time): two components, each a number or a function of the coordinates
         (two float64 arrays) that returns an array of their shape, or one function that returns both.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> lid = {"top": vc.Wall((1.0, 0.0))}  # the other sides are walls at rest
+    >>> flow = vc.solve_stokes(mesh, lid)
+    >>> bool(flow.velocity_at([(1.0, 0.95)])[0, 0] > 0.5)
+    True
     """
 
     velocity: tuple[Scalar, Scalar] | Field = (0.0, 0.0)
@@ -85,6 +94,15 @@ class Velocity:
         Velocity components (model length per time). A callable gets two float64 arrays, the coordinates, and returns an
         array of the same shape; without `y` it may return both components as a tuple. ``Velocity(1.0)`` means
         ``Velocity(1.0, 0.0)``.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> parabola = vc.Velocity(lambda x, y: 6 * y * (1 - y), 0.0)
+    >>> flow = vc.solve_stokes(mesh, {"left": parabola, "right": vc.Pressure(0.0)})
+    >>> round(flow.flow_rate("right"), 3)
+    1.0
     """
 
     x: Scalar | Field | Parabola
@@ -131,6 +149,14 @@ class Pressure:
     value : float or callable
         Pressure (force per length). A callable gets two float64 arrays, the coordinates, and returns an array of the
         same shape; it is evaluated at the middles of the edges.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(2.0), "right": vc.Pressure(0.0)})
+    >>> flow.pressure_at([(1.0, 0.5)]).round(6).tolist()
+    [1.0]
     """
 
     value: Scalar
@@ -142,7 +168,17 @@ class Pressure:
 
 @dataclass(frozen=True)
 class Slip:
-    """Mirror line: no flow through it and no tangential stress on it."""
+    """Mirror line: no flow through it and no tangential stress on it.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> plug = {"left": vc.Velocity(1.0, 0.0), "right": vc.Pressure(0.0), "top": vc.Slip(), "bottom": vc.Slip()}
+    >>> flow = vc.solve_stokes(mesh, plug)
+    >>> bool(abs(flow.velocity[:, 0] - 1.0).max() < 1e-9)
+    True
+    """
 
 
 @dataclass(frozen=True)
@@ -155,6 +191,14 @@ class Periodic:
         Name of the other side; it takes no condition of its own.
     pressure_drop : float
         Pressure here minus pressure at the matching point of the other side (force per length).
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Periodic("right", pressure_drop=1.0)})
+    >>> round(flow.flow_rate("right"), 6)
+    0.041667
     """
 
     other: str

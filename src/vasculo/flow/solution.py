@@ -15,6 +15,7 @@ from vasculo.flow.read.points import pressure_at, velocity_at
 from vasculo.flow.read.residence import ResidenceTimes, residence_times
 from vasculo.flow.read.stream import stream_function
 from vasculo.flow.read.tracers import Tracers, trace
+from vasculo.shown import Shown
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Flow:
+class Flow(Shown):
     """A solved flow.
 
     Parameters
@@ -65,6 +66,16 @@ class Flow:
         Force of the fluid through each boundary edge of the mesh, with the pressure.
     body_force : (t, 2) float64
         Given force per area.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Pressure(1.0), "right": vc.Pressure(0.0)})
+    >>> round(flow.flow_rate("right"), 6), round(1 / 24, 6)
+    (0.041667, 0.041667)
+    >>> round(float(flow.velocity_at([(1.0, 0.5)])[0, 0]), 3)
+    0.065
     """
 
     mesh: Triangulation
@@ -83,6 +94,9 @@ class Flow:
     faces: Faces = field(repr=False)
     edge_force: NDArray[np.float64] = field(repr=False)
     body_force: NDArray[np.float64] = field(repr=False)
+
+    def __repr__(self) -> str:
+        return f"Flow({len(self.mesh.triangles)} triangles, viscosity {self.viscosity:g}, residual {self.residual:.1e})"
 
     @property
     def solver(self) -> str:

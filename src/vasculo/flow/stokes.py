@@ -88,6 +88,14 @@ def solve_stokes(
         part that do not balance, parts that nothing holds back, pockets, an unknown solver, too little memory.
     ComputationError
         The system could not be solved to a relative residual of 1e-9 or the given tolerance, or mass is not balanced.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(2.0, 1.0), edge_length=0.25)
+    >>> flow = vc.solve_stokes(mesh, {"left": vc.Velocity(1.0, 0.0), "right": vc.Pressure(0.0), "top": vc.Slip()})
+    >>> round(flow.flow_rate("right"), 6), round(flow.flow_rate("left"), 6)
+    (1.0, -1.0)
     """
     viscosity = check_viscosity(viscosity)
     check_fit(solver, len(mesh.triangles), memory)

@@ -13,6 +13,7 @@ import shapely
 from vasculo.errors import InputError
 from vasculo.geometry.neighbours import as_polygons
 from vasculo.geometry.outline import following, is_number, mended_outline, signed_area
+from vasculo.shown import Shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,7 +28,7 @@ UNNAMED = "wall"
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Domain:
+class Domain(Shown):
     """The fluid region: inside an outer outline, outside the pillars.
 
     Parameters
@@ -60,6 +61,18 @@ class Domain:
     Notes
     -----
     The arrays belong to the domain: make a new one (`with_pillars`) instead of writing into them.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> channel = vc.Domain.rectangle(3.0, 1.0, [[(1.0, 0.4), (1.3, 0.4), (1.3, 0.7), (1.0, 0.7)]])
+    >>> channel
+    Domain(3 x 1, pillars: 1, sides: bottom, left, right, top)
+    >>> round(channel.area, 6)
+    2.91
+    >>> triangle = vc.Domain([(0, 0), (2, 0), (1, 1)], sides={"inlet": 0, "outlet": [1]})
+    >>> triangle.side_names
+    ('inlet', 'outlet', 'wall')
     """
 
     outer: NDArray[np.float64]
@@ -88,6 +101,11 @@ class Domain:
                 raise InputError(f"a rectangle needs a positive, finite {name}, not {value!r}")
         corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
         return cls(corners, pillars, ("bottom", "right", "top", "left"))
+
+    def __repr__(self) -> str:
+        x0, y0, x1, y1 = self.bounds
+        sides = ", ".join(self.side_names)
+        return f"Domain({x1 - x0:.4g} x {y1 - y0:.4g}, pillars: {len(self.pillars)}, sides: {sides})"
 
     def with_pillars(self, pillars: Iterable[ArrayLike]) -> Domain:
         """Return the same outer boundary around other pillars."""

@@ -106,6 +106,14 @@ def generate_mesh(
     springs with the wanted lengths, motion by eqs. (2) and (3), re-triangulation, snapping to the walls; "truss" after
     Persson & Strang 2004. The size field, the placement in layers and the smoothing are ours. The same input gives the
     same mesh, bit for bit, on any number of threads.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> square = [(0.4, 0.4), (0.6, 0.4), (0.6, 0.6), (0.4, 0.6)]
+    >>> mesh = vc.generate_mesh(vc.Domain.rectangle(1.0, 1.0, [square]), edge_length=0.1, wall_edge_length=0.05)
+    >>> round(float(mesh.areas.sum()), 9), bool(mesh.quality().min() > 0.5)
+    (0.96, True)
     """
     wall = edge_length if wall_edge_length is None else wall_edge_length
     rounds = _rounds(method, iterations)

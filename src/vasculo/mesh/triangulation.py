@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from vasculo.errors import InputError
 from vasculo.mesh.adjacency import adjacency, first_fault, list_faces, match_rim
 from vasculo.mesh.quality import first_turned, signed_areas, triangle_quality
+from vasculo.shown import Shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -59,7 +60,7 @@ class MeshCheck(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Triangulation:
+class Triangulation(Shown):
     """A conforming triangulation of the fluid.
 
     Parameters
@@ -93,6 +94,17 @@ class Triangulation:
     Notes
     -----
     The arrays belong to the triangulation and are not to be changed: what is computed from them is kept.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    >>> border = [(0, 1), (1, 2), (2, 3), (3, 0)]
+    >>> mesh = vc.Triangulation(corners, [(0, 1, 2), (0, 2, 3)], border, [-1, -1, -1, -1], ("wall",))
+    >>> mesh.areas.tolist(), mesh.quality().round(3).tolist()
+    ([0.5, 0.5], [0.828, 0.828])
+    >>> mesh.check().triangles
+    2
     """
 
     points: NDArray[np.float64]
@@ -196,6 +208,10 @@ class Triangulation:
             len(self.points), len(self.triangles), len(self.faces.ends), int(loops), float(self.areas.sum()),
             float(self.areas.min()), float(quality.min()), float(quality.mean()),
         )  # fmt: skip
+
+    def __repr__(self) -> str:
+        sides = ", ".join(self.side_names)
+        return f"Triangulation({len(self.points)} nodes, {len(self.triangles)} triangles, sides: {sides})"
 
     @cached_property
     def areas(self) -> NDArray[np.float64]:

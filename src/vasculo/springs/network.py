@@ -68,6 +68,19 @@ class SpringNetwork(SpringState):
     ------
     InputError
         Naming the spring or node and the numbers that are wrong.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> pair = vc.SpringNetwork([(0, 0), (2, 0)], [(0, 1)], rest_lengths=1.0, damping=0.5, pinned=[0])
+    >>> pair.tensions().tolist()
+    [1.0]
+    >>> broken = pair.advance(0.01, steps=100, break_above=1.5)
+    >>> len(pair.springs), bool(pair.points[1, 0] < 2.0)
+    (1, True)
+    >>> steps = pair.relax()
+    >>> pair.points.round(6).tolist()
+    [[0.0, 0.0], [1.0, 0.0]]
     """
 
     __slots__ = ()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from vasculo.shown import Shown
 from vasculo.springs.box import arms_between
 from vasculo.springs.checks import (
     as_box,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-class SpringState:
+class SpringState(Shown):
     """Arrays of a spring network; see `vasculo.springs.network.SpringNetwork`, which adds the motion."""
 
     __slots__ = (
@@ -81,6 +82,10 @@ class SpringState:
         self._checked: tuple[tuple[object, ...], ...] = ((),) * 5
         self._engine: Engine | None = None
         self._check()
+
+    def __repr__(self) -> str:
+        pinned, name = int(np.count_nonzero(self.pinned)), type(self).__name__
+        return f"{name}({len(self.points)} nodes, {pinned} of them pinned, {len(self.springs)} springs)"
 
     def _check(self) -> None:
         """Check what may have been changed by hand since the last call."""

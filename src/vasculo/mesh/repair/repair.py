@@ -106,6 +106,17 @@ def repair_mesh(
     is left. Where that turns a
     triangle over, and around outlines that are new, holes are cut and meshed. Then edges are flipped, cut or contracted
     by length, and nodes smoothed.
+
+    Examples
+    --------
+    >>> import vasculo as vc
+    >>> square = [(0.4, 0.4), (0.6, 0.4), (0.6, 0.6), (0.4, 0.6)]
+    >>> before = vc.Domain.rectangle(1.0, 1.0, [square])
+    >>> after = vc.Domain.rectangle(1.0, 1.0, [[(x + 0.01, y) for x, y in square]])
+    >>> mesh = vc.generate_mesh(before, edge_length=0.1)
+    >>> repaired = vc.repair_mesh(mesh, before, after, edge_length=0.1)
+    >>> round(float(repaired.mesh.areas.sum()), 9)
+    0.96
     """
     wall = edge_length if wall_edge_length is None else wall_edge_length
     check_numbers(edge_length, wall, across, curvature, grading, max_triangles)
