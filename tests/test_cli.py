@@ -60,7 +60,8 @@ def test_help_names_the_commands_that_are_there():
     result = call("--help")
     assert result.exit_code == 0
     found = set(re.findall(r"^│ (\w+) ", result.output, re.MULTILINE))
-    assert found == {"run", "studies", "new", "check", "measure", "draw", "report", "image"}
+    names = "run studies new check schema measure draw report view image sweep match"
+    assert found == set(names.split())
 
 
 def test_help_loads_nothing_heavy():
@@ -200,8 +201,44 @@ def test_draw(disk):
     assert result.exit_code == 0, result.output
     assert result.stdout.strip() == str(disk / "figures" / "flow-0001.png")
     assert len(call("draw", disk).stdout.splitlines()) == 5
-    one_line(call("draw", disk, "--movie"), 2, "--what springs, mesh, flow, shear, pillars or network")
+    one_line(call("draw", disk, "--step", "1"), 2, "say what to draw of step 1: --what springs, mesh, flow, pressure")
     one_line(call("draw", disk, "--what", "springs"), 2, "no recorded step of vasculogenesis")
+
+
+def test_draw_for_a_paper(disk):
+    result = call("draw", disk, "--what", "chains", "--format", "pdf,svg", "--format", "pdf", "--width", "85mm")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.split() == [str(disk / "figures" / f"chains-0001.{kind}") for kind in ("pdf", "svg")]
+    width = re.search(r'<svg[^>]* width="([0-9.]+)pt"', (disk / "figures" / "chains-0001.svg").read_text())
+    assert float(width[1]) == pytest.approx(85.0 / 25.4 * 72.0, rel=0.01)
+    for words, part in [
+        (
+            ["--what", "folw"],
+            "--what folw is not springs, mesh, flow, pressure, shear, pillars, chains or network, did you",
+        ),
+        (["--what", "story"], "--what story is a film: add --movie"),
+        (["--what", "flow", "--format", "jpg"], "--format jpg is not png, svg or pdf"),
+        (["--what", "flow", "--format", "mp4"], "mp4 and gif need --movie"),
+        (["--what", "flow", "--movie", "--format", "png"], "--format png is not mp4 or gif with --movie"),
+        (
+            ["--what", "flow", "--width", "wide"],
+            "--width wide is no width: give millimetres as 85mm or inches as 3.3in",
+        ),
+        (["--what", "flow", "--width", "1"], "--width 1 is 1 mm, not from 51 to 1016 mm"),
+        (["--what", "flow", "--dpi", "5000"], "--dpi 5000 is not from 50 to 1200"),
+        (["--what", "flow", "--fps", "5"], "--fps is for a film: add --movie"),
+        (["--movie", "--width", "85mm"], "--width 85mm of a film is no number of pixels"),
+        (["--movie", "--width", "20"], "width = 20 of a film is not from 160 to 3840"),
+        (["--movie", "--fps", "1000"], "rate = 1000 of a film is not from 0.5 to 60"),
+    ]:
+        one_line(call("draw", disk, *words), 2, part)
+
+
+def test_a_film(disk):
+    result = call("draw", disk, "--movie", "--width", "200", "--fps", "2")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.strip() == str(disk / "figures" / "story.mp4")
+    assert (disk / "figures" / "story.mp4").read_bytes()[4:8] == b"ftyp"
 
 
 def test_the_network(disk, tmp_path):
@@ -274,7 +311,7 @@ def test_other_bad_input(tmp_path, disk):
     [
         (["runn"], "No such command 'runn'"),
         (["run", "--oot", "x"], "No such option: --oot"),
-        (["draw", "x", "--what", "nothing"], "'nothing' is not one of 'springs', 'mesh', 'flow', 'shear', 'pillars'"),
+        (["draw", "x", "--wat", "flow"], "No such option: --wat"),
         (["measure"], "Missing argument 'RUN'"),
     ],
 )
