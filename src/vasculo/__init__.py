@@ -25,7 +25,11 @@ if TYPE_CHECKING:
     from vasculo.plexus.parameters import Extraction
     from vasculo.springs.network import SpringNetwork
     from vasculo.store.read import open_run
+    from vasculo.study.match.fit import match
     from vasculo.study.run import run
+    from vasculo.study.sweep.results import open_sweep
+    from vasculo.study.sweep.sweep import sweep
+    from vasculo.study.watchers import StopRun, watcher
     from vasculo.tissue.lattice import lattice
     from vasculo.tissue.vasculogenesis import Vasculogenesis, grow_plexus
 
@@ -43,6 +47,7 @@ _HOMES = {
     "Pressure": "flow.boundary",
     "Slip": "flow.boundary",
     "SpringNetwork": "springs.network",
+    "StopRun": "study.watchers",
     "Triangulation": "mesh.triangulation",
     "Vasculogenesis": "tissue.vasculogenesis",
     "Velocity": "flow.boundary",
@@ -53,11 +58,15 @@ _HOMES = {
     "generate_mesh": "mesh.generate",
     "grow_plexus": "tissue.vasculogenesis",
     "lattice": "tissue.lattice",
+    "match": "study.match.fit",
     "open_run": "store.read",
+    "open_sweep": "study.sweep.results",
     "remodel": "pillars.angiogenesis",
     "repair_mesh": "mesh.repair.repair",
     "run": "study.run",
     "solve_stokes": "flow.stokes",
+    "sweep": "study.sweep.sweep",
+    "watcher": "study.watchers",
 }
 
 __all__ = [
@@ -72,6 +81,7 @@ __all__ = [
     "Pressure",
     "Slip",
     "SpringNetwork",
+    "StopRun",
     "Triangulation",
     "Vasculogenesis",
     "Velocity",
@@ -82,12 +92,16 @@ __all__ = [
     "generate_mesh",
     "grow_plexus",
     "lattice",
+    "match",
     "measure",
     "open_run",
+    "open_sweep",
     "remodel",
     "repair_mesh",
     "run",
     "solve_stokes",
+    "sweep",
+    "watcher",
 ]
 
 
