@@ -8,22 +8,19 @@ from __future__ import annotations
 
 import argparse
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 from itertools import combinations
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-import shapely
 
-from vasculo.geometry.neighbours import as_polygons
 from vasculo.measure.distance import ISLANDS, SCALES, difference, distance
 from vasculo.measure.morphometry import Morphometry, morphometry, pooled
 from vasculo.plexus.extract import extract_domain
 from vasculo.plexus.image import ImageExtraction
 from vasculo.plexus.parameters import Extraction
 from vasculo.study.match.fit import match
+from vasculo.study.match.painting import paint
 from vasculo.study.match.sample import NODES, Wanted, grow_samples
 from vasculo.study.match.settings import SEARCHED
 from vasculo.study.match.words import sentences, setting_words
@@ -31,9 +28,6 @@ from vasculo.study.match.worker import begin_worker
 from vasculo.tissue.lattice import lattice
 from vasculo.tissue.spacing import expected_spacing
 from vasculo.tissue.vasculogenesis import Vasculogenesis, grow_plexus
-
-if TYPE_CHECKING:
-    from vasculo.geometry.domain import Domain
 
 WANTED = Wanted(60.0, 1.0, 0.43, 0.075)
 VARIED = (
@@ -78,10 +72,10 @@ def scales(seeds: int) -> None:
     print({name: float(f"{np.sqrt(np.mean(values)):.3g}") for name, values in squares.items()})
 
 
-def tables_of(settings: Vasculogenesis, seeds: int) -> Morphometry | str:
+def table_of(settings: Vasculogenesis, seeds: range) -> Morphometry | str:
     """Return the common table of some seeds, or why there is none."""
     try:
-        return pooled([sample.table for sample in grow_samples(settings, WANTED, range(seeds))])
+        return pooled([sample.table for sample in grow_samples(settings, WANTED, seeds)])
     except (RuntimeError, ValueError) as error:
         return str(error)
 
@@ -89,10 +83,14 @@ def tables_of(settings: Vasculogenesis, seeds: int) -> Morphometry | str:
 def sensitivity(seeds: int, workers: int) -> None:
     """Print how much each term changes from one end of each range to the other, in units of chance."""
     ends = [Vasculogenesis(**{name: value}) for name, low, high in VARIED for value in (low, high)]
+    mine, others = range(seeds), range(seeds, 2 * seeds)
+    usual = Vasculogenesis()
+    jobs = [*((each, mine) for each in ends), (usual, mine), (usual, others)]
     with ProcessPoolExecutor(workers, get_context("spawn"), begin_worker) as pool:
-        tables = list(pool.map(tables_of, ends, [seeds] * len(ends)))
+        tables = list(pool.map(table_of, *zip(*jobs, strict=True)))
+    varied = [*VARIED, ("other seeds", 0.0, 0.0)]
     print(f"| setting | from | to | {' | '.join(SCALES)} | distance |\n|{'---|' * (len(SCALES) + 4)}")
-    for (name, low, high), one, two in zip(VARIED, tables[::2], tables[1::2], strict=True):
+    for (name, low, high), one, two in zip(varied, tables[::2], tables[1::2], strict=True):
         if isinstance(one, str) or isinstance(two, str):
             print(f"| {name} | {low:g} | {high:g} | {one if isinstance(one, str) else two} |")
             continue
@@ -101,26 +99,18 @@ def sensitivity(seeds: int, workers: int) -> None:
         print(f"| {name} | {low:g} | {high:g} | {cells} | {far.value:.1f} |")
 
 
-def painted(domain: Domain, islands: float, pixels: int) -> np.ndarray:
-    """Mask of the middle of a domain, tissue 1, with so many islands."""
-    table = morphometry(domain)
-    half = 0.5 * table.spacing * np.sqrt(islands)
-    x, y = 0.5 * (np.array(table.window[:2]) + table.window[2:])
-    across, up = np.linspace(x - half, x + half, pixels), np.linspace(y + half, y - half, pixels)
-    return shapely.contains_xy(shapely.union_all(as_polygons(domain.pillars)), *np.meshgrid(across, up))
-
-
 def recover(out: Path, budget: int, workers: int) -> None:
     """Fit the picture of a plexus with known settings."""
-    settings = replace(
-        Vasculogenesis(growth_rate=0.003),
-        tether=0.04,
-        stop_void_fraction=0.3,
-        threshold_spread=0.25,
-        final_rest_factor=0.15,
+    settings = Vasculogenesis(
+        growth_rate=0.004,
+        tether=0.01,
+        stop_void_fraction=0.4,
+        threshold_spread=0.3,
+        threshold_correlation=3.0,
+        final_rest_factor=0.3,
     )
-    (sample,) = grow_samples(settings, WANTED.of(130.0), [1001])
-    picture = painted(sample.domain, 110.0, 600)
+    (sample,) = grow_samples(settings, WANTED.of(110.0), [1001])
+    picture = paint(sample.domain, sample.table.window, (400, 400))
     found = match(picture, out, ImageExtraction(vessels="dark"), budget=budget, workers=workers, tell=print)
     print(*sentences(found), sep="\n")
     print("| setting | known | best | range of those as near |\n|---|---|---|---|")

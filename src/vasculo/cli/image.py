@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from vasculo.cli.app import app, one_line
+from vasculo.cli.reading import Crop, Page, PixelSize, Side, Smallest, Smoothing, Threshold, Vessels
 
 
 @app.command()
@@ -17,25 +18,14 @@ def image(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="PATH", help="Study file (.toml) or folder; here when left out.")
     ] = None,
-    vessels: Annotated[
-        Literal["bright", "dark"], typer.Option("--vessels", help="Which side of the threshold is vessel.")
-    ] = "bright",
-    threshold: Annotated[
-        str, typer.Option("--threshold", metavar="VALUE", help="A grey value, or otsu, li or local.")
-    ] = "otsu",
+    vessels: Vessels = "bright",
+    threshold: Threshold = "otsu",
     window: Annotated[
         str | None, typer.Option("--window", metavar="LENGTH", help="Neighbourhood of the local threshold.")
     ] = None,
-    pixel_size: Annotated[
-        float | None, typer.Option("--pixel-size", metavar="UM", help="Micrometres a pixel; lengths may be in um then.")
-    ] = None,
-    smoothing: Annotated[
-        str, typer.Option("--smoothing", metavar="LENGTH", help="Blur before outlines are taken, as 1.5px or 2um.")
-    ] = "1px",
-    smallest: Annotated[
-        str,
-        typer.Option("--smallest", metavar="LENGTH", help="Smallest pillar: radius, as 2px, or area, as 12px2, 50um2."),
-    ] = "2px",
+    pixel_size: PixelSize = None,
+    smoothing: Smoothing = "1px",
+    smallest: Smallest = "2px",
     narrowest: Annotated[
         str | None, typer.Option("--narrowest", metavar="LENGTH", help="Narrower passages are widened to this.")
     ] = None,
@@ -45,16 +35,10 @@ def image(
     border: Annotated[
         Literal["open", "closed"], typer.Option("--border", help="Vessels that leave beside the flow: go on, or end.")
     ] = "open",
-    inlet: Annotated[
-        Literal["left", "top", "right", "bottom"], typer.Option("--inlet", help="Side where the blood enters.")
-    ] = "left",
-    outlet: Annotated[
-        Literal["left", "top", "right", "bottom"] | None, typer.Option("--outlet", help="The opposite side.")
-    ] = None,
-    crop: Annotated[
-        str | None, typer.Option("--crop", metavar="X,Y,W,H", help="Part of the picture, pixels from its upper left.")
-    ] = None,
-    page: Annotated[int, typer.Option("--page", metavar="N", help="Page of a file with several.")] = 1,
+    inlet: Annotated[Side, typer.Option("--inlet", help="Side where the blood enters.")] = "left",
+    outlet: Annotated[Side | None, typer.Option("--outlet", help="The opposite side.")] = None,
+    crop: Crop = None,
+    page: Page = 1,
     replace: Annotated[bool, typer.Option("--replace", help="Write over files of an earlier try.")] = False,
 ) -> None:
     """Turn a picture of a vessel network into a study."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from vasculo.cli.app import app, one_line
+from vasculo.cli.reading import Crop, Page, PixelSize, Side, Smallest, Smoothing, Threshold, Vessels
 
 
 @app.command()
@@ -17,29 +18,17 @@ def match(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder of the fit; matches/IMAGE when left out.")
     ] = None,
-    vessels: Annotated[
-        Literal["bright", "dark"], typer.Option("--vessels", help="Which side of the threshold is vessel.")
-    ] = "bright",
-    threshold: Annotated[
-        str, typer.Option("--threshold", metavar="VALUE", help="A grey value, or otsu, li or local.")
-    ] = "otsu",
-    smoothing: Annotated[
-        str, typer.Option("--smoothing", metavar="LENGTH", help="Blur before outlines are taken, as 1.5px or 2um.")
-    ] = "1px",
-    smallest: Annotated[
-        str, typer.Option("--smallest", metavar="LENGTH", help="Smallest island: radius, as 2px, or area, as 50um2.")
-    ] = "2px",
+    vessels: Vessels = "bright",
+    threshold: Threshold = "otsu",
+    smoothing: Smoothing = "1px",
+    smallest: Smallest = "2px",
     inlet: Annotated[
-        Literal["left", "top", "right", "bottom"],
+        Side,
         typer.Option("--inlet", help="Side from which a vessel leads to the opposite one."),
     ] = "left",
-    crop: Annotated[
-        str | None, typer.Option("--crop", metavar="X,Y,W,H", help="Part of the picture, pixels from its upper left.")
-    ] = None,
-    pixel_size: Annotated[
-        float | None, typer.Option("--pixel-size", metavar="UM", help="Micrometres a pixel; lengths may be in um then.")
-    ] = None,
-    page: Annotated[int, typer.Option("--page", metavar="N", help="Page of a file with several.")] = 1,
+    crop: Crop = None,
+    pixel_size: PixelSize = None,
+    page: Page = 1,
     budget: Annotated[int, typer.Option("--budget", metavar="N", help="Most settings that are tried.")] = 96,
     seeds: Annotated[int, typer.Option("--seeds", metavar="N", help="Tissues that are grown of each.")] = 2,
     workers: Annotated[
@@ -49,6 +38,9 @@ def match(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Find the settings whose plexus looks most like a picture, and say how sure they are."""
+    from vasculo.study.match.search import optimiser  # noqa: PLC0415
+
+    optimiser()  # says at once which extra is missing
     from vasculo.study.match.files import PAGE, STUDY  # noqa: PLC0415
     from vasculo.study.match.fit import default_workers  # noqa: PLC0415
     from vasculo.study.match.fit import match as fit  # noqa: PLC0415

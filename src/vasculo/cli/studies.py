@@ -45,6 +45,7 @@ def run(
     with Bars(quiet=quiet) as bars, ExitStack() as stack:
         watchers: list[object] = []
         if live:
+            import vasculo.view.sdk  # noqa: F401, PLC0415  # says at once which extra is missing
             from vasculo.study.live import live as shown  # noqa: PLC0415
 
             begun = shown(study, out, overrides, resume=resume, branch=branch, label="--set", tell=bars.note)

@@ -157,7 +157,7 @@ def morphometry(pattern: object, *, window: Window | None = None, smallest: floa
     ----------
     pattern : Domain, SpringNetwork, picture or run
         A domain; a grown network, whose domain is extracted with default widths; what `domain_from_image` or `extract`
-        returns; a run that came to the extraction, of which the last domain is taken.
+        returns; a run with a recorded step of the angiogenesis, of which the last domain is taken.
     window : tuple of 4 float, optional
         Smallest x, smallest y, largest x, largest y of the part to measure. By default of a picture all of it, but for
         the strip along its edge that the reading of the outlines keeps free; of anything else the box around the

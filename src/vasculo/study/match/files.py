@@ -49,7 +49,7 @@ def study_text(found: Matched, pixel_size: float | None) -> str:
     near = f"distance {far:.3g}, where two seeds of these settings are {found.floor[0]:.3g} apart"
     lines = [
         f"# The plexus that looks most like {found.target.name}: {near}.",
-        "# A window in the middle of the tissue was compared.",
+        "# A window in the middle of the tissue was compared, at the resolution of the picture.",
         "",
         "[study]",
         f"title = {toml_value(f'A plexus like {found.target.name}')}",
@@ -67,7 +67,7 @@ def study_text(found: Matched, pixel_size: float | None) -> str:
         f"lumen_width = {shown.lumen_width!r}",
     ]
     if pixel_size is not None:
-        length = pixel_size * found.target.table.spacing / shown.table.spacing
+        length = pixel_size * found.target.table.spacing / shown.spacing
         lines += ["", "[units]", f"length = {length:.6g}  # micrometres in the side of the tissue"]
     return "\n".join(lines) + "\n"
 

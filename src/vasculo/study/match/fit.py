@@ -94,6 +94,7 @@ def match(
     -----
     The spacing of the pillars and the width of the vessels are not searched: a tissue gets as many nodes as it needs
     for the wanted number of islands, and its cords are widened until vessels take the same share as in the picture.
+    Beside a picture a plexus is painted with as many pixels an island and read as the picture was.
 
     Examples
     --------

@@ -17,6 +17,7 @@ from vasculo.plexus.parameters import Extraction
 from vasculo.plexus.rules import near_pairs
 from vasculo.plexus.survey import survey
 from vasculo.plexus.width import cleared_at
+from vasculo.study.match.painting import paint, read_painted
 from vasculo.tissue.lattice import lattice
 from vasculo.tissue.spacing import expected_spacing
 from vasculo.tissue.vasculogenesis import grow_plexus
@@ -26,12 +27,13 @@ if TYPE_CHECKING:
 
     from vasculo.geometry.domain import Domain
     from vasculo.measure.morphometry import Morphometry, Window
+    from vasculo.plexus.image import ImageExtraction
     from vasculo.springs.network import SpringNetwork
     from vasculo.tissue.parameters import Vasculogenesis
 
 NODES = 1.25
 """Nodes of a tissue over its area in squares of the mean spring length."""
-MOST_NODES = 200_000
+MOST_NODES = 250_000
 """Larger tissues are not grown for a fit."""
 FRAME = 2.0
 """Strip along each edge of the tissue, over the spacing of the islands, in which the window does not lie."""
@@ -41,8 +43,10 @@ ALIKE = 0.5
 """Power of the correlation length with which thresholds that are alike push the islands apart."""
 FAR_OFF = 0.7
 """A tissue with fewer of the wanted islands than this share is grown anew, larger."""
-FARTHEST = 18.0
+FARTHEST = 20.0
 """Tissues whose islands are farther apart (spring lengths) are not grown for a fit: they cost too much."""
+ALMOST, TRIES = 0.02, 6
+"""A window has the wanted islands when it has this share more or less; so often its size is corrected."""
 WIDTHS = 0.05, 4.0
 """Widths that are added to the cords (spring lengths)."""
 
@@ -61,12 +65,18 @@ class Wanted:
         Area of the vessels over that of the window.
     smallest : float
         Smallest island over the mean area, as for `morphometry`.
+    pixels : float, optional
+        Spacing of the islands in pixels, of a picture: plexuses are painted with as many and read as it was.
+    reading : ImageExtraction, optional
+        How it was read.
     """
 
     islands: float
     aspect: float
     vessel_fraction: float
     smallest: float
+    pixels: float | None = None
+    reading: ImageExtraction | None = None
 
     def of(self, islands: float, aspect: float = 1.0) -> Wanted:
         """Ask for another number of islands, in a window of another shape."""
@@ -91,9 +101,11 @@ class Sample:
     Attributes
     ----------
     domain : Domain
-        Its pillars and tubules.
+        Its pillars and tubules; where it was painted, as they were read from that.
     table : Morphometry
         Of a window in its middle.
+    scale : float
+        Unit of both in model lengths: 1, or a pixel.
     nodes, seed : int
         Of its tissue.
     spring : float
@@ -104,15 +116,21 @@ class Sample:
 
     domain: Domain
     table: Morphometry
+    scale: float
     nodes: int
     seed: int
     spring: float
     lumen_width: float
 
     @property
+    def spacing(self) -> float:
+        """Distance of the islands in model lengths."""
+        return self.table.spacing * self.scale
+
+    @property
     def apart(self) -> float:
         """Distance of the islands in spring lengths."""
-        return self.table.spacing / self.spring
+        return self.spacing / self.spring
 
 
 def grow_samples(
@@ -174,8 +192,7 @@ def grow_sample(settings: Vasculogenesis, wanted: Wanted, seed: int, apart: floa
     plexus = grow_plexus(tissue, settings, seed)
     width = find_width(plexus, wanted)
     domain = extract_domain(plexus, Extraction(lumen_width=width))
-    table = measure_window(domain, wanted)
-    return Sample(domain, table, nodes, seed, float(np.mean(tissue.rest_lengths)), width)
+    return Sample(*measure_window(domain, wanted), nodes, seed, float(np.mean(tissue.rest_lengths)), width)
 
 
 def find_width(plexus: SpringNetwork, wanted: Wanted) -> float:
@@ -209,15 +226,32 @@ def find_width(plexus: SpringNetwork, wanted: Wanted) -> float:
     return float(f"{brentq(missing, low, high, xtol=1e-3):.4g}")
 
 
-def measure_window(domain: Domain, wanted: Wanted) -> Morphometry:
-    """Table of a window in the middle, in which the wanted number of islands is expected, as far as there is room."""
+def measure_window(domain: Domain, wanted: Wanted) -> tuple[Domain, Morphometry, float]:
+    """Measure a window in the middle, in which the wanted number of islands is expected, as far as there is room.
+
+    Returns what was measured, its table, and its unit in model lengths, see `Sample`.
+    """
     x0, y0, x1, y1 = default_window(domain, domain)
-    height = min(y1 - y0, (x1 - x0) / wanted.aspect)
+    largest = height = min(y1 - y0, (x1 - x0) / wanted.aspect)
     middle = 0.5 * np.array([x0 + x1, y0 + y1])
-    while True:
+    pixel = None
+    if wanted.pixels is not None:
+        pixel = morphometry(domain, smallest=wanted.smallest).spacing / wanted.pixels
+    tried = []
+    for _ in range(TRIES):
         half = 0.5 * height * np.array([wanted.aspect, 1.0])
-        window: Window = tuple(np.concatenate((middle - half, middle + half)).tolist())
-        table = morphometry(domain, window=window, smallest=wanted.smallest)
-        if table.islands <= 1.02 * wanted.islands:
-            return table
-        height *= max(0.5, np.sqrt(wanted.islands / table.islands))
+        tried.append(_measured(domain, tuple(np.concatenate((middle - half, middle + half)).tolist()), wanted, pixel))
+        ratio = wanted.islands / tried[-1][1].islands
+        if abs(ratio - 1.0) < ALMOST or (ratio > 1.0 and height == largest):
+            break
+        height = min(largest, height * max(0.5, float(np.sqrt(ratio))))
+    return min(tried, key=lambda each: abs(each[1].islands - wanted.islands))
+
+
+def _measured(domain: Domain, window: Window, wanted: Wanted, pixel: float | None) -> tuple[Domain, Morphometry, float]:
+    """Measure a window, painted and read where it is compared with a picture."""
+    if pixel is None or wanted.reading is None:
+        return domain, morphometry(domain, window=window, smallest=wanted.smallest), 1.0
+    x0, y0, x1, y1 = window
+    read = read_painted(paint(domain, window, (round((y1 - y0) / pixel), round((x1 - x0) / pixel))), wanted.reading)
+    return read.domain, morphometry(read, smallest=wanted.smallest), pixel

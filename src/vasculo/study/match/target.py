@@ -83,10 +83,10 @@ def target_of(image: object, parameters: ImageExtraction | None = None, page: in
     elif isinstance(image, np.ndarray):
         pattern = domain_from_image(image, parameters)
     domain = domain_of(pattern)
-    smallest = SMALLEST
+    smallest, reading = SMALLEST, None
     if isinstance(pattern, Pictured):
-        least = ImageExtraction().smallest_radius if parameters is None else parameters.smallest_radius
-        smallest = max(smallest, pi * least**2 / float(domain.pillar_areas.mean()))
+        reading = parameters or ImageExtraction()
+        smallest = max(smallest, pi * reading.smallest_radius**2 / float(domain.pillar_areas.mean()))
     if smallest > MOST_SMALLEST:
         raise InputError(
             f"{name}: islands are kept from {100 * smallest:.0f} % of their mean area on, at most "
@@ -108,6 +108,7 @@ def target_of(image: object, parameters: ImageExtraction | None = None, page: in
             f"{100 * low:.0f} to {100 * high:.0f} %: check which side of the threshold is vessel"
         )
     x0, y0, x1, y1 = table.window
-    wanted = Wanted(table.islands, (x1 - x0) / (y1 - y0), table.vessel_fraction, smallest)
+    pixels = None if reading is None else table.spacing
+    wanted = Wanted(table.islands, (x1 - x0) / (y1 - y0), table.vessel_fraction, smallest, pixels, reading)
     outlines = np.concatenate([domain.outer, *domain.pillars]).round(6)
     return Target(name, domain, table, wanted, hashlib.sha256(outlines.tobytes()).hexdigest()[:16])
