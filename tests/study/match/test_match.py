@@ -254,12 +254,12 @@ def test_a_fit_comes_nearer_than_the_defaults(monkeypatch, tmp_path):
         (fit, "ISLANDS", 20.0),
         (fit, "FINALISTS", 1),
         (fit, "REPEATS", 2),
-        (fit, "LEAST_BUDGET", 9),
-        (searching, "DESIGN", 4),
-        (searching, "GENERATION", 4),
+        (fit, "LEAST_BUDGET", 6),
+        (searching, "DESIGN", 3),
+        (searching, "GENERATION", 3),
     ):
         monkeypatch.setattr(home, name, value)
-    found = fit.match(CAPILLARIES, tmp_path / "fit", reading, budget=9, replicates=2)
+    found = fit.match(CAPILLARIES, tmp_path / "fit", reading, budget=6, replicates=2)
     assert found.single[0] < found.default[0]
     assert found.near >= 1
     for each in found.ranges:
