@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from vasculo.store.read import FlowFields, Run
 
 CLIP = 99.5  # percentile of the node speeds that is drawn brightest
-_GAMMA = 0.5  # lifts slow passages out of the dark; a single pillar in a wide channel needs none
+GAMMA = 0.5  # lifts slow passages out of the dark; a single pillar in a wide channel needs none
 
 
 def node_speed(flow: FlowFields | Flow) -> NDArray[np.float64]:
@@ -102,7 +102,7 @@ def draw_speed(
         Speed drawn brightest; by default the 99.5th percentile of the node speeds.
     """
     top = speed_scale(flow) if scale is None else scale
-    colours = draw_field(axes, flow, top, _GAMMA if len(outlines) > 1 else 1.0)
+    colours = draw_field(axes, flow, top, GAMMA if len(outlines) > 1 else 1.0)
     draw_pillars(axes, outlines)
     panel(axes, box, title)
     return colours

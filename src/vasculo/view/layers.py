@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from vasculo.draw.canvas import PILLAR, PILLAR_EDGE, PRESSURE, SHEAR, SPEED
-from vasculo.draw.flow import node_pressure, node_speed, pressure_scale, speed_scale
+from vasculo.draw.flow import GAMMA, node_pressure, node_speed, pressure_scale, speed_scale
 from vasculo.draw.pillars import pen, shear_scale
 from vasculo.draw.seam import images
 from vasculo.draw.springs import force_scale, look, zoom
@@ -38,8 +38,6 @@ SPRINGS, SPEEDS, PRESSURES, FILLS, OUTLINES, SHEARS = (
 
 UNSEEN = 1.0 / 4000.0
 """Springs shorter than this share of the side are left out: less than a pixel on any screen."""
-GAMMA = 0.5
-"""Colours of the speed go by its power, so that slow passages can be seen; a single pillar needs none."""
 _POINT = 1.0 / 576.0  # a printer's point of a picture of eight inches, sides
 _WALL = 4.5  # width of the walls coloured by their shear, points
 
